@@ -9,7 +9,7 @@
 
 #include "fit/checks/explanations.h"
 #include "fit/checks/outliers.h"
-#include "fit/checks/runs_test.h"
+#include "fit/checks/quoted.h"
 #include "fit/checks/verdict.h"
 #include "fit/design/next_experiment.h"
 #include "fit/minimum/multi_start.h"
@@ -36,6 +36,9 @@ using namespace internal;
 /// Error of the integrator relative to the path: 1e-12 m and less.
 constexpr double kFine = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Minima of the search that are looked at in the full model where it decides which is the lowest.
+constexpr std::size_t kRefined = 4;
 
 /// Descents under an explanation.
 constexpr int kStartsNearby = 4;
@@ -98,8 +101,10 @@ class Estimation {
   FitResult estimates();
   /// What the fit says before anything is explained, with intervals from the covariance.
   FitResult assumed();
-  /// With what determines them, what checks them, and what to film next.
+  /// With what determines them and what checks them.
   FitResult report();
+  /// What to film next.
+  void look_ahead(FitResult& result) const;
 
  private:
   void describe();
@@ -144,6 +149,16 @@ void Estimation::find_minimum() {
   result_.starts = search_.starts;
   result_.starts_at_best = search_.at_best;
   minimum_ = minimise_linearised(residuals_, search_.minima.front().z);
+  // Linear in the conditions the search may take another for the lowest: near the threshold of sliding they
+  // are not.
+  const auto near = std::min(search_.minima.size(), minimum_.far_from_linear ? kRefined : 1);
+  for (std::size_t i = 1; i < near && residuals_.p_value(minimum_.chi2) < kSurprise; ++i) {
+    Residuals there = residuals_;
+    const Minimum other = minimise_linearised(there, search_.minima[i].z);
+    if (!(other.chi2 < minimum_.chi2) || !admissible(unknowns_, other.z)) continue;
+    residuals_ = there;
+    minimum_ = other;
+  }
   if (std::any_of(problem_.summary_runs.begin(), problem_.summary_runs.end(),
                   [](const SummaryRun& run) { return !run.own.parameters.empty(); })) {
     // Own errors move the displacement by as much as these friction parameters make of them.
@@ -152,7 +167,8 @@ void Estimation::find_minimum() {
   }
   result_.chi2 = minimum_.chi2;
   result_.dof = std::max(0, static_cast<int>(std::lround(residuals_.degrees_of_freedom())));
-  result_.p_value = chi2_survival(minimum_.chi2, residuals_.degrees_of_freedom());
+  result_.noise_dof = residuals_.noise_degrees_of_freedom();
+  result_.p_value = residuals_.p_value(minimum_.chi2);
   result_.conditions = static_cast<int>(unknowns_.common() - unknowns_.reported());
 }
 
@@ -169,10 +185,9 @@ void Estimation::add_scatter_of_replicates() {
 
 void Estimation::test_residuals() {
   add_scatter_of_replicates();
-  p_value_ = chi2_survival(minimum_.chi2, residuals_.degrees_of_freedom());
+  p_value_ = residuals_.p_value(minimum_.chi2);
   excess_ = residuals_.excess(minimum_.chi2);
   result_.outliers = find_outliers(residuals_, minimum_);
-  result_.runs_test_p_value = runs_test(residuals_, linearised(residuals_, minimum_));
 }
 
 void Estimation::explain_excess_variance() {
@@ -232,18 +247,23 @@ std::vector<double> Estimation::quantiles() const {
 /// With the errors now known other minima may be as good, or better.
 void Estimation::find_other_minima() {
   minima_ = {best_};
-  if (search_.minima.size() < 2) return;
+  // Of values that are not to be used no other is told.
+  if (search_.minima.size() < 2 || (rejected() && residuals_.linear_in_conditions())) return;
   const double lowest = search_.minima.front().chi2, excess = residuals_.excess(best_.chi2);
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < search_.minima.size(); ++i) {
+  std::size_t best = 0, refined = 1;
+  for (std::size_t i = 1; i < search_.minima.size() && refined < kRefined; ++i) {
     const Minimum& rough = search_.minima[i];
     if (rough.chi2 - lowest > 2 * kNearMinimum * excess_) continue;
     Residuals there = residuals_;
     there.linearise(unknowns_.values(rough.z));
-    const Minimum other = minimise_linearised(there, fold_lag(unknowns_, rough.z));
+    const Minimum near =
+        minimise(there, fold_lag(unknowns_, rough.z), {.held = {}, .decrement = 0.1, .known = &minima_});
+    if (near.joined || near.abandoned || !(near.chi2 - best_.chi2 < 2 * kNearMinimum * excess)) continue;
+    const Minimum other = minimise_linearised(there, near.z);
     const bool known = std::any_of(minima_.begin(), minima_.end(), [&](const Minimum& minimum) {
       return same(unknowns_, minimum, other, excess);
     });
+    ++refined;
     if (known || !std::isfinite(other.chi2) || !admissible(unknowns_, other.z)) continue;
     minima_.push_back(linearised(there, other));
     if (other.chi2 < minima_[best].chi2) best = minima_.size() - 1;
@@ -263,11 +283,8 @@ void Estimation::take(std::size_t index) {
 void Estimation::quantify_uncertainty() {
   // What the residuals need beyond the repetitions' scatter is estimated from them.
   if (rejected()) result_.scatter_from_replicates = false;
-  if (residuals_.linear_in_conditions()) {
+  if (residuals_.linear_in_conditions() && any(residuals_.excess_variance()))
     minimum_ = minimise_linearised(residuals_, minimum_.z);
-    // The curvature is that of the full model, also along what the data leave open.
-    if (residuals_.linearise(unknowns_.values(minimum_.z))) minimum_.at = {};
-  }
   minimum_.z = fold_lag(unknowns_, minimum_.z);
   evaluate_curvature(minimum_);
   find_other_minima();
@@ -333,6 +350,8 @@ FitResult Estimation::report() {
   result.agreement = agreement(result);
   fill_runs(residuals_, best, result);
   fill_influence(residuals_, best, uncertainty_, result);
+  fill_predictions(residuals_, best, uncertainty_, result);
+  fill_mu_of_speed(unknowns_, values_, uncertainty_, result);
   for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
   result.budget = budget(residuals_, best, uncertainty_);
   result.improve_first = improve_first(result.budget, result.parameters);
@@ -342,13 +361,18 @@ FitResult Estimation::report() {
   if (!result.converged)
     result.warnings.push_back(
         "The fit did not converge: start nearer ([fit.guess]) or fit fewer parameters.");
-  if (options_.next_experiment) {
-    NextExperiments next =
-        next_experiments(residuals_, values_, best.at, *std::max_element(t_.begin(), t_.end()), options_);
-    result.next_experiment = std::move(next.best);
-    result.other_next_experiments = std::move(next.others);
-  }
   return std::move(result_);
+}
+
+void Estimation::look_ahead(FitResult& result) const {
+  if (!options_.next_experiment) return;
+  NextExperiments next =
+      next_experiments(residuals_, values_, best_.at, *std::max_element(t_.begin(), t_.end()), options_);
+  result.next_experiment = std::move(next.best);
+  result.other_next_experiments = std::move(next.others);
+  if (next.given_up)
+    result.left_out.push_back(
+        "The search for the run to film next took more than a second and was given up.");
 }
 
 /// A slide by itself, without the checks and profiles of a whole campaign.
@@ -381,72 +405,11 @@ void FitOptions::validate() const {
 
 namespace {
 
-/// The problem that is quoted, and what it assumes that the one given does not.
-struct Quoted {
-  Problem problem;
-  std::vector<std::string> under;
-  std::vector<Explanation> as_good;  ///< others that explain the residuals as well
-};
-
-Quoted without_bad_runs(Problem problem, const std::vector<Outlier>& outliers) {
-  Quoted quoted;
-  for (SummaryRun& run : problem.summary_runs)
-    run.held_out |= std::ranges::any_of(outliers, [&](const Outlier& o) { return o.run == run.name; });
-  for (const Outlier& outlier : outliers)
-    quoted.under.push_back("run '" + outlier.run + "' left out: it contradicts the others");
-  quoted.problem = std::move(problem);
-  return quoted;
-}
-
-/// What explains the residuals: one thing, or a second and a third beside it where each gains. nullopt:
-/// nothing does.
-std::optional<Quoted> explained(const Problem& problem, std::vector<ExplainedProblem> list,
-                                const std::vector<Outlier>& outliers, const FitOptions& options) {
-  constexpr int kMostTogether = 3;
-  Quoted quoted;
-  for (int k = 0; k < kMostTogether; ++k) {
-    const auto best = std::ranges::find_if(list, [](const auto& e) { return e.found.explains; });
-    if (best != list.end()) {
-      quoted.under.push_back(sentence_of(best->found));
-      quoted.problem = best->problem;
-      for (const auto& [parameter, under] : best->found.parameters)
-        quoted.problem.start[parameter] = under.estimate;
-      for (auto other = best + 1; other != list.end(); ++other)
-        if (other->found.explains && gain_of(best->found) - gain_of(other->found) < kPreferred)
-          quoted.as_good.push_back(other->found);
-      return quoted;
-    }
-    if (k == 0 && !outliers.empty()) return without_bad_runs(problem, outliers);
-    if (list.empty() || !list.front().found.refitted) return std::nullopt;
-    quoted.under.push_back(sentence_of(list.front().found));
-    Problem next = list.front().problem;
-    for (const auto& [parameter, under] : list.front().found.parameters)
-      next.start[parameter] = under.estimate;
-    FitOptions single = options;
-    single.multi_starts = 1;
-    Estimation fit(next, single);
-    fit.find_minimum();
-    list = fit.explanations();
-  }
-  return std::nullopt;
-}
-
 /// Every stage of a fit, the explanations apart.
 FitResult quantified(Estimation& fit) {
   fit.explain_excess_variance();
   fit.quantify_uncertainty();
   return fit.report();
-}
-
-/// The interval covers what the explanations say that are as good.
-void widen(const std::vector<Explanation>& as_good, FitResult& result) {
-  for (ParameterEstimate& p : result.parameters)
-    for (const Explanation& other : as_good)
-      if (const auto under = other.parameters.find(p.parameter); under != other.parameters.end()) {
-        p.ci95.low = std::min(p.ci95.low, under->second.ci95.low);
-        p.ci95.high = std::max(p.ci95.high, under->second.ci95.high);
-        p.ci95_pieces = {p.ci95};
-      }
 }
 
 void set_course(Problem& problem) {
@@ -465,31 +428,47 @@ FitResult estimate(const Problem& given, const FitOptions& options) {
   Problem problem = given;
   set_course(problem);
   std::vector<SlideResult> slides = prepare_slides(problem);
-  fit_one_by_one(
-      problem, [&](const Problem& alone, bool scatter) { return fit_alone(alone, options, scatter); },
-      options.threads, slides);
-  const std::optional<BetweenSlides> between = compare_slides(problem, slides);
+  const FitAlone alone = [&](const Problem& one, bool scatter) { return fit_alone(one, options, scatter); };
+  fit_one_by_one(problem, alone, options.threads, slides);
+  std::optional<BetweenSlides> between = compare_slides(problem, slides);
   if (between && problem.between_slides == 0) problem.between_slides = between->sd;
+  std::optional<ViscousSlides> viscous;
+  if (between) viscous = fit_viscous(problem, alone, options.threads, slides);
+  if (viscous) problem.between_viscous_slides = {viscous->mu1.sd, viscous->viscous.sd};
 
   Estimation fit(problem, options, between ? &*between : nullptr);
   fit.find_minimum();
   fit.test_residuals();
-  // Tracks are explained once their correlated errors are known.
-  const bool tracks = !problem.trajectory_runs.empty();
+  // Driven tracks are explained once their correlated errors are known.
+  const bool tracks =
+      std::ranges::any_of(problem.trajectory_runs, [](const TrajectoryRun& run) { return !run.free_slide; });
   if (tracks) fit.explain_excess_variance();
   const std::vector<ExplainedProblem> list = fit.explanations();
   std::optional<Quoted> quoted;
+  FitOptions nearby;
+  std::optional<Estimation> under;
   const bool squares = options.loss == Loss::squares;  // robust weights are an answer of their own
-  if (fit.rejected() && squares) quoted = explained(problem, list, fit.outliers(), options);
+  if (fit.rejected() && squares)
+    quoted = explained(problem, list, fit.outliers(), [&](const Problem& next) {
+      FitOptions single = options;
+      single.multi_starts = 1;
+      Estimation there(next, single);
+      there.find_minimum();
+      return there.explanations();
+    });
   FitResult result;
   if (quoted) {
     const FitResult assumed = fit.assumed();
-    FitOptions nearby = options;  // the explanation was found from the best minimum of all
+    nearby = options;  // the explanation was found from the best minimum of all
     nearby.multi_starts = std::min(options.multi_starts, kStartsNearby);
-    Estimation under(quoted->problem, nearby, between ? &*between : nullptr);
-    under.find_minimum();
-    under.test_residuals();
-    result = quantified(under);
+    if (viscous && quoted->problem.sets_free(FitParameter::viscous)) {
+      slides = viscous->slides;
+      between = viscous->mu1;
+    }
+    under.emplace(quoted->problem, nearby, between ? &*between : nullptr);
+    under->find_minimum();
+    under->test_residuals();
+    result = quantified(*under);
     result.chi2 = assumed.chi2;
     result.dof = assumed.dof;
     result.p_value = assumed.p_value;
@@ -506,6 +485,7 @@ FitResult estimate(const Problem& given, const FitOptions& options) {
   result.slides = std::move(slides);
   describe_slides(between ? &*between : nullptr, result);
   judge(result);
+  (under ? *under : fit).look_ahead(result);
   return result;
 }
 

@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -73,6 +74,12 @@ struct RunResult {
   /// Change of each parameter (FitResult::parameters) without this run, in its sd, to first order. NaN where
   /// the other runs do not determine it.
   std::vector<double> influence;
+  /// Not fitted: what the fit predicts is held against what was measured, by the covariance of both.
+  struct Prediction {
+    double chi2 = 0;     ///< of two degrees of freedom
+    double p_value = 1;  ///< of it
+  };
+  std::optional<Prediction> prediction = std::nullopt;
   std::size_t points = 0;  ///< trajectory runs: points used
   double rms_m = 0;        ///< trajectory runs: rms of the residual, m
   /// Trajectory runs: start point, initial velocity, onset, ... with units in the names.
@@ -107,8 +114,8 @@ enum class Agreement {
 
 const char* to_string(Agreement agreement);  ///< "good", "only with scatter", "poor", "too good", "unknown"
 
-/// The 99 % range of chi^2/dof under the model. Zeros for dof < 1.
-Interval expected_reduced_chi2(int dof);
+/// The 99 % range of chi^2/dof under the model. Zeros for dof < 1. `noise_dof` as FitResult::noise_dof.
+Interval expected_reduced_chi2(int dof, double noise_dof = std::numeric_limits<double>::infinity());
 
 /// A run that would shrink the intervals most.
 struct NextExperiment {
@@ -151,6 +158,12 @@ struct Explanation {
   bool refitted = false;                             ///< else all is to first order
   bool explains = false;                             ///< it leaves nothing to explain where something was
   std::map<FitParameter, EstimateUnder> parameters;  ///< under it
+};
+
+/// Friction at a speed, by the law that is quoted.
+struct FrictionAtSpeed {
+  double speed = 0;  ///< m/s
+  double mu = 0, sd = 0;
 };
 
 /// What may be done with the estimates.
@@ -223,7 +236,10 @@ struct SlideResult {
   double slope = 0;      ///< rad, as given (TrajectoryRun::slope)
   double stop_time = 0;  ///< s, the recording's; where the track ends before, of the law; may be infinite
   bool spin_seen = false;
-  Estimate spin;        ///< rad/s at the first point
+  bool spin_fitted = false;  ///< not seen, but its deceleration is that of a part that spins
+  Estimate spin;             ///< rad/s at the first point
+  /// 1/s: its own, where the slides are quoted under that law.
+  std::optional<Estimate> viscous = std::nullopt;
   Estimate spin_ratio;  ///< rim speed over slide speed there
   Estimate bearing;     ///< radius of the face that bears over the part's, where the spin shows it
   /// Where no spin was seen: relative change of mu1 if the rim moved half as fast as the part slides.
@@ -255,9 +271,11 @@ struct FitResult {
   // Goodness of fit.
   double chi2 = 0;  ///< at the minimum with everything as the problem says, by the data's own sigma
   int dof = 0;
+  /// Degrees of freedom of the sds that chi2 rests on, where tracks' sds were estimated from their own
+  /// scatter; infinite where they are known.
+  double noise_dof = std::numeric_limits<double>::infinity();
   double p_value = 1;  ///< of chi2
   int conditions = 0;  ///< unknowns that are known to an sd: what they absorb of chi^2, dof does not count
-  double runs_test_p_value = 1;  ///< small: neighbouring runs err alike, as under a wrong model
   std::vector<RunResult> runs;
   std::vector<SlideResult> slides;    ///< free slides one by one
   double between_slides = 0;          ///< sd of mu1 between slides, counted in the covariance
@@ -269,6 +287,8 @@ struct FitResult {
   /// says.
   std::vector<std::string> quoted_under;
   std::map<FitParameter, EstimateUnder> as_assumed;  ///< where they are: without them
+  /// Where a law that depends on speed is among them: mu1 from rest to the highest speed seen.
+  std::vector<FrictionAtSpeed> mu_of_speed;
   std::vector<std::string> left_out;  ///< checks that the data did not require, with the reason
 
   // Errors beyond the data's own sigma, counted in the covariance.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/checks/runs_test.h"
 #include "fit/checks/verdict.h"
 #include "fit/report/json_fields.h"
 #include "fit/tools/parameter_text.h"
@@ -110,6 +111,8 @@ void fields(Io& io, model::Scenario& s) {
   io.scaled("radius_mm", s.spin.radius, 1e3, spins);
   io("spin_inertia", s.spin.inertia, spins);
   if (std::isnan(s.spin.rate)) s.spin = {};
+  io("viscous_1_s", s.viscous, s.viscous != 0);
+  if (std::isnan(s.viscous)) s.viscous = 0;
 }
 
 /// Refuses what nobody could compute.
@@ -143,9 +146,16 @@ void fields(Io& io, SlideColumns& slide) {
 }
 
 template <class Io>
+void fields(Io& io, RunResult::Prediction& prediction) {
+  io("chi2", prediction.chi2);
+  io("p_value", prediction.p_value);
+}
+
+template <class Io>
 void fields(Io& io, RunResult& run) {
   io.need("name", run.name);
   io.need("observables", run.residuals);
+  io("prediction", run.prediction, run.prediction.has_value());
   scenario(io, run.fitted);
   io.by_name("influence", run.influence, true);
   io("points", run.points, run.points > 0);
@@ -171,6 +181,9 @@ void fields(Io& io, SlideResult& s) {
   io("name", s.run);
   estimate(io, "mu1", s.mu1);
   io("ci95", s.ci95);
+  Estimate viscous = s.viscous.value_or(Estimate{kNoNumber, kNoNumber});
+  estimate(io, "viscous_1_s", viscous, s.viscous.has_value());
+  if (!std::isnan(viscous.value)) s.viscous = viscous;
   io("chi2", s.chi2);
   io("dof", s.dof);
   io("p_value", s.p_value);
@@ -181,12 +194,13 @@ void fields(Io& io, SlideResult& s) {
   io.scaled("speed_mm_s", s.speed, 1e3);
   io("stop_time_s", s.stop_time);
   io("spin_seen", s.spin_seen);
+  io("spin_fitted", s.spin_fitted, s.spin_fitted);
   io("slope_rad", s.slope, s.slope != 0);
   if (std::isnan(s.slope)) s.slope = 0;
   estimate(io, "spin_rad_s", s.spin, s.spin_seen);
-  estimate(io, "spin_ratio", s.spin_ratio, s.spin_seen);
+  estimate(io, "spin_ratio", s.spin_ratio, s.spin_seen || s.spin_fitted);
   estimate(io, "bearing_over_radius", s.bearing, s.spin_seen);
-  io("mu1_change_by_half_spin", s.change_by_half_spin, !s.spin_seen && s.slope == 0);
+  io("mu1_change_by_half_spin", s.change_by_half_spin, !s.spin_seen && !s.spin_fitted && s.slope == 0);
   io("blows", s.blows);
   io("sentence", s.sentence);
 }
@@ -232,6 +246,13 @@ void fields(Io& io, Explanation& e) {
   io("refitted", e.refitted);
   io("explains", e.explains);
   io("parameters", e.parameters);
+}
+
+template <class Io>
+void fields(Io& io, FrictionAtSpeed& at) {
+  io.scaled("speed_mm_s", at.speed, 1e3);
+  io("mu", at.mu);
+  io("sd", at.sd);
 }
 
 /// The paper's law and the explanations by Akaike's and Schwarz's criteria.
@@ -318,6 +339,7 @@ void fields(Io& io, FitResult& fit) {
   io("explanations", fit.explanations);
   io("quoted_under", fit.quoted_under);
   io("as_assumed", fit.as_assumed);
+  io("mu_of_speed", fit.mu_of_speed);
   io.derived("usable", fit.usable());
   io("scatter_dominates", fit.scatter_dominates);
   io.scaled("scatter_mm", fit.scatter, 1e3);
@@ -339,7 +361,9 @@ void fields(Io& io, FitResult& fit) {
   io("next_experiment", fit.next_experiment);
   io("other_next_experiments", fit.other_next_experiments);
   io("p_value", fit.p_value);
-  io("runs_test_p_value", fit.runs_test_p_value);
+  io.derived("runs_test_p_value", runs_test(fit.runs));
+  io("noise_dof", fit.noise_dof, std::isfinite(fit.noise_dof));
+  if (std::isnan(fit.noise_dof)) fit.noise_dof = std::numeric_limits<double>::infinity();
   io("outliers", fit.outliers);
   io.derived("models", models_json(fit));
   io("left_out", fit.left_out);

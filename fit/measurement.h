@@ -117,13 +117,23 @@ struct SeenThroughPlay {
 /// seen of the motion: attenuation 1, delay pi/2.
 SeenThroughPlay seen_through_play(double amplitude, double half_width);
 
-/// sd of the white noise of each coordinate of a track that has no standard deviations of its own, in its own
-/// unit: from differences of order 2 to 10 over frames that follow each other evenly, of binomial(2d, d)
-/// times the noise's variance. A slow motion leaves high orders alone and the jumps of its acceleration
-/// trouble few of them: the median of their sizes counts, of the order where it is smallest. Errors slower
-/// than the frames do not show. nullopt from fewer than 30 such frames.
-std::optional<Eigen::Vector2d> point_noise(const std::vector<std::int64_t>& frames,
-                                           const std::vector<Eigen::Vector2d>& positions);
+/// White noise of each coordinate of a track that has no standard deviations of its own.
+struct PointNoise {
+  Eigen::Vector2d sd;  ///< in the track's unit
+  /// The variance is as good as one of so many degrees of freedom where residuals of the same points are
+  /// judged by it: chi^2/dof is distributed as F(dof, this) over its mean. With nu = 2/var(ln s^2) of n
+  /// points it is 1/(1/nu - 2/n): estimate and residuals go together, by what the best estimate of all has of
+  /// variance, 2/n.
+  double dof = 0;
+};
+
+/// From differences of order 2 to 10 over frames that follow each other evenly, of binomial(2d, d) times the
+/// noise's variance. A slow motion leaves high orders alone and the jumps of its acceleration trouble few of
+/// them: the median of their sizes counts. Of white noise the lowest order knows most; it is taken unless a
+/// higher one lies below it by more than chance, as the covariance of both has it. Errors slower than the
+/// frames do not show. nullopt from fewer than 30 such frames.
+std::optional<PointNoise> point_noise(const std::vector<std::int64_t>& frames,
+                                      const std::vector<Eigen::Vector2d>& positions);
 
 /// The same measurements with the sd of the scale (relative, common to all lengths) added. For reports and
 /// other programs; a fit has the scale as a parameter of its own and takes them without.

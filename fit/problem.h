@@ -78,6 +78,8 @@ struct Condition {
   std::string from;  ///< where value and sd came from, for the budget: "marker, 14 runs", "campaign"
 };
 
+/// Condition::from of what an explanation sets free.
+inline constexpr const char* kSetFree = "set free";
 /// Condition::from of what a lossy coder may have done to the platform's motion.
 inline constexpr const char* kFromCoder = "coder";
 
@@ -111,10 +113,12 @@ struct DiscSpin {
   double bearing = 0;  ///< ln of the bearing face's radius over the part's; 0: all of it bears
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (rate, bearing)
   double rate_sd() const;
-  /// Between nearly a point and the corners of a square: beyond them nothing bears, and a part of next to no
-  /// inertia, which angles of no slide lead to, is followed in ever shorter steps.
+  /// Between nearly a point and all of a disc, or the corners of a square: beyond them nothing bears, and a
+  /// part of next to no inertia, which angles of no slide lead to, is followed in ever shorter steps.
   static constexpr double kLeastBearing = -3, kMostBearing = 0.35;
-  static double within(double bearing) { return std::clamp(bearing, kLeastBearing, kMostBearing); }
+  static double within(double bearing, bool round) {
+    return std::clamp(bearing, kLeastBearing, round ? 0 : kMostBearing);
+  }
 };
 
 /// A run fitted point by point: the model's trajectory and nuisance parameters (start point; the platform's
@@ -150,6 +154,11 @@ struct Problem {
   /// sd of mu1 between free slides: each has its own, mu1 is their mean. 0: estimate() finds it from the
   /// slides.
   double between_slides = 0;
+  /// The same where slides have a viscous part, and the sd of that, 1/s: each slide has its own, `viscous` is
+  /// their mean. 0: estimate() finds them from slides that reject a constant friction.
+  struct BetweenViscousSlides {
+    double mu1 = 0, viscous = 0;
+  } between_viscous_slides = {};
   /// What is not fitted but known to an sd only; independent errors of one quantity may stand apart. One that
   /// is fitted is left out.
   std::vector<Condition> conditions;
@@ -158,6 +167,8 @@ struct Problem {
   std::vector<std::pair<FitParameter, std::string>> exact;
   std::vector<SummaryRun> summary_runs;
   std::vector<TrajectoryRun> trajectory_runs;
+  /// An explanation sets it free.
+  bool sets_free(FitParameter quantity) const;
   /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, data that are not
   /// numbers. Fewer data than unknowns are no error: the result then states what can be determined.
   void validate() const;

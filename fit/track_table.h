@@ -30,7 +30,10 @@ struct TrackTable {
   std::vector<double> time;               ///< s, 0 at the recording's first stored image
   std::vector<Eigen::Vector2d> position;  ///< m, relative to the first point
   std::vector<Eigen::Matrix2d>
-      covariance;               ///< m^2, of each point: the sum of its own noise and of the two below
+      covariance;  ///< m^2, of each point: the sum of its own noise and of the two below
+  /// Degrees of freedom that each axis's variance is as good as known by, where it was estimated from these
+  /// very points (PointNoise::dof); 0: it is known.
+  double noise_dof = 0;
   std::vector<SlowError> slow;  ///< errors that neighbouring points share
   /// F of each point, 2 x K, m: errors common to all of the track, F_i F_j' between points i and j. Empty, or
   /// one for each point.
@@ -41,6 +44,7 @@ struct TrackTable {
   /// rad, how far the part has turned (its sense does not matter), with sd; NaN where that is not seen, empty
   /// in a track without.
   std::vector<double> angle, angle_sigma;
+  bool round = false;   ///< the part is a disc: nothing bears beyond its radius
   double radius = 0;    ///< m, of the part's face; 0 where not known
   double exposure = 0;  ///< s, of every frame, centred on its time; 0 where not known
 };

@@ -50,6 +50,7 @@ struct BatchOptions {
   /// Of the velocity at every step of an end's run, in units of A w: 1e-14 leaves some 1e-13 of the path.
   /// Looser ones are faster; steady motions always come at full accuracy.
   double tolerance = 1e-14;
+  long max_steps = 10'000'000;  ///< of runs that lanes do not carry
   /// Progress callback: solutions done and wanted. Called now and then, by one thread at a time.
   std::function<void(std::size_t done, std::size_t total)> progress;
 };

@@ -48,6 +48,7 @@ enum class Parameter {
   start_phase,
   spin,     ///< of a free slide: initial rate of turning
   inertia,  ///< and I/(m R^2)
+  viscous
 };
 
 /// A parameter out of its range or not a number. `what()` names parameter, value and range.
@@ -75,6 +76,9 @@ struct Scenario {
       Eigen::Vector2d::Zero();  ///< m/s, relative to the platform; start = rest only
   /// A spinning part: the platform rests (A = A_y = 0, no pulses, start = rest); only integrate() follows it.
   Spin spin;
+  /// 1/s: friction takes viscous |u| beside mu g from the speed |u|, every point of a spinning part by its
+  /// own. Of free slides only, like spin; a negative one, which a fit may try, is taken as it stands.
+  double viscous = 0;
   /// The run ends after `duration` seconds or, where that is 0, after `cycles` platform periods, N 2 pi / w;
   /// then derivatives of the end point with respect to w count the end time's own dependence on w.
   double duration = 0;

@@ -65,11 +65,13 @@ std::unique_ptr<Trajectory::Implementation> solve(const Scenario& scenario,
   throw std::invalid_argument("derivatives: at most 16 parameters at a time");
 }
 
-/// A disc at rest has no spin to follow, but its derivative by one may be asked for.
-bool spins(const Scenario& scenario, const IntegrationOptions& options) {
-  const auto& wanted = options.derivatives;
-  return scenario.spin.rate != 0 || (scenario.spin.radius > 0 && std::find(wanted.begin(), wanted.end(),
-                                                                           Parameter::spin) != wanted.end());
+/// A part without spin or viscous friction may be asked for its derivative by them.
+bool as_spinning_slide(const Scenario& scenario, const IntegrationOptions& options) {
+  const auto asked = [&](Parameter parameter) {
+    return std::ranges::count(options.derivatives, parameter) > 0;
+  };
+  return scenario.spin.rate != 0 || scenario.viscous != 0 || asked(Parameter::viscous) ||
+         (scenario.spin.radius > 0 && asked(Parameter::spin));
 }
 
 }  // namespace
@@ -78,8 +80,8 @@ Trajectory integrate(const Scenario& scenario, const IntegrationOptions& options
   scenario.validate();
   if (!(options.tolerance > 0 && options.tolerance < 0.1))
     throw std::invalid_argument("tolerance = " + std::to_string(options.tolerance) + " must be in (0, 0.1)");
-  return Trajectory(spins(scenario, options) ? solve<internal::SpinRun>(scenario, options)
-                                             : solve<internal::Run>(scenario, options));
+  return Trajectory(as_spinning_slide(scenario, options) ? solve<internal::SpinRun>(scenario, options)
+                                                         : solve<internal::Run>(scenario, options));
 }
 
 }  // namespace tribotrack::model

@@ -112,9 +112,9 @@ class StepLimitExceeded : public std::runtime_error {
 };
 
 /// Integrates a scenario; a part that spins is followed where Scenario::spin says so or Parameter::spin is
-/// among the derivatives (tolerance 1e-13 at best, the end is good to some 1e-12 of the way). Throws
-/// InvalidParameter for a bad scenario, a tolerance outside (0, 0.1), more than 16 derivatives or a start on
-/// a periodic motion that does not exist, and StepLimitExceeded beyond max_steps.
+/// among the derivatives, likewise viscous friction (tolerance 1e-13 at best, the end is good to some 1e-12
+/// of the way). Throws InvalidParameter for a bad scenario, a tolerance outside (0, 0.1), more than 16
+/// derivatives or a start on a periodic motion that does not exist, and StepLimitExceeded beyond max_steps.
 Trajectory integrate(const Scenario& scenario, const IntegrationOptions& options = {});
 
 }  // namespace tribotrack::model

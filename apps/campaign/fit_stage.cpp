@@ -36,17 +36,19 @@ using fit::FitParameter;
 
 void add_run(const Campaign& campaign, const Run& run, fit::Problem& problem) {
   const std::string& name = run.given.name;
+  const bool held_out = std::ranges::count(campaign.fit.hold_out, name) > 0;
   if (run.given.free_slide) {
     fit::TrajectoryRun slide{name, run.scenario, run.track->table, true, false};
     slide.slope = run.given.slope.value_or(0);
     problem.trajectory_runs.push_back(std::move(slide));
-  } else if (campaign.fit.trajectory && run.track) {
+  } else if (campaign.fit.trajectory && run.track && !held_out) {
     fit::TrajectoryRun trajectory{name, run.scenario, run.track->table, false, run.amplitude_from_track};
     trajectory.start_phase_sd = run.own.sd(model::Parameter::start_phase);
     trajectory.own = run.own.without(model::Parameter::start_phase);
     problem.trajectory_runs.push_back(std::move(trajectory));
   } else {
     problem.summary_runs.push_back({name, run.scenario, run.displacement, run.amplitude_from_track, run.own});
+    problem.summary_runs.back().held_out = held_out;
   }
 }
 

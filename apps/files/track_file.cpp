@@ -166,6 +166,7 @@ Track track_from(const JsonPlace& meta) {
   track.in_camera_frame = meta.text("frame_of_reference") == "camera";
   track.imported = section("imported").text("reading");
   track.sd_from_scatter = summary.boolean("sd_from_scatter", false);
+  track.table.noise_dof = summary.number("sd_dof", 0);
   track.warnings = summary.texts("warnings");
   for (const JsonPlace& input : meta.items("inputs"))
     track.recorded_in.push_back({input.at("path").text(), input.text("xxh3_128"), input.text("hashed")});
@@ -181,6 +182,7 @@ Track with_rows(Track track, const TrackRows& rows, const std::filesystem::path&
   track.table.platform_frame = rows.has_marker || (!track.imported.empty() && !track.in_camera_frame);
   track.table.exposure = track.exposure_s.value_or(0);
   track.table.radius = track.disc_radius_px * track.mm_per_px.value_or(0) * 1e-3;
+  track.table.round = track.disc_radius_px > 0;
   for (const vision::SlowPart& part : track.slow)
     if (track.mm_per_px && part.sd > 0 && part.time > 0)
       track.table.slow.push_back({part.sd * *track.mm_per_px * 1e-3, part.time});

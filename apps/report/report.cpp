@@ -203,16 +203,22 @@ namespace {
 
 std::string result_table(const ReportData& data) {
   if (!data.fitted()) return "";
-  std::string html =
+  const auto& described = data.fit.as_assumed;
+  std::string html = fmt::format(
       "<table id=\"result\" class=\"result\"><thead><tr><th>Parameter</th><th>Value, and 95 % "
-      "interval</th></tr></thead><tbody>\n";
+      "interval</th>{}</tr></thead><tbody>\n",
+      described.empty() ? "" : "<th>as described, rejected</th>");
   for (const fit::ParameterEstimate& p : data.fit.parameters) {
     const ParameterText shown = parameter_text(p.parameter);
     const bool determined = std::isfinite(p.estimate) && std::isfinite(p.sd);
     html += fmt::format(
-        "<tr><th>{}</th><td class=\"value\" data-v=\"{}\">{}{}<br><span class=\"ends\">{}</span></td></tr>\n",
+        "<tr><th>{}</th><td class=\"value\" data-v=\"{}\">{}{}<br><span class=\"ends\">{}</span></td>",
         shown.symbol, determined ? fmt::format("{}", p.estimate) : "", quoted_value(p.estimate, p.sd),
         shown.unit.empty() || !determined ? "" : " " + shown.unit, determined ? quoted_interval(p) : "");
+    if (const auto as = described.find(p.parameter); as != described.end())
+      html += "<td>" + quoted_value(as->second.estimate, as->second.sd) + "<br><span class=\"ends\">" +
+              interval_text(as->second.ci95.low, as->second.ci95.high, as->second.sd) + "</span></td>";
+    html += "</tr>\n";
   }
   return html +
          "</tbody></table>\n<p class=\"note\">In parentheses the standard deviation of the last "

@@ -12,6 +12,7 @@
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 #include "fit/uncertainty/covariance.h"
+#include "fit/variances/excess_variance.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -52,7 +53,7 @@ Problem with_free(Problem problem, const std::vector<FitParameter>& quantities) 
     problem.prior.erase(quantity);
     const double size = std::abs(Unknowns(problem).as_given(quantity));
     const bool sized = quantity == FitParameter::amplitude || quantity == FitParameter::angular_frequency;
-    problem.conditions.push_back({quantity, kUnknown * (sized ? size : 1), "free"});
+    problem.conditions.push_back({quantity, kUnknown * (sized ? size : 1), kSetFree});
   }
   return problem;
 }
@@ -72,7 +73,7 @@ class ScoreTests {
         best_(best),
         threads_(threads),
         values_(unknowns_.values(best.z)),
-        wide_problem_(with_free(problem_, not_yet_unknown())),
+        wide_problem_(with_all_free()),
         wide_(wide_problem_) {
     Residuals rows = of(wide_, values_);
     rows.linearise(wide_.values_of(unknowns_, values_));
@@ -103,7 +104,8 @@ class ScoreTests {
         continue;
       }
       const auto column = wide_.find(quantity);
-      if (!column) return std::nullopt;  // of slides alone: there is no drive
+      // Of slides alone a scale is friction's own.
+      if (!column || (quantity == FitParameter::scale && !unknowns_.sliding_threshold())) return std::nullopt;
       // What moves nothing has the information of the prior alone that frees it.
       if (normal_(*column, *column) < 2 / std::pow(wide_.prior(*column)->sd, 2)) return std::nullopt;
       for (std::size_t j = 0; j < candidate.quantities.size(); ++j)
@@ -156,20 +158,25 @@ class ScoreTests {
     found.chi2_fall = scatter->fall;
     found.size = 100 * scatter->relative;
     found.size_sd = found.size / std::sqrt(static_cast<double>(data));
-    found.p_after = chi2_survival(scatter->chi2, residuals_.degrees_of_freedom() - 1);
+    found.p_after = residuals_.p_value(scatter->chi2, 1);
     put(values_, information_, unknowns_, found);
     return std::pair(found, *scatter);
   }
 
   /// The fit in another problem of the same runs, from here.
   void refit(const Problem& problem, const Candidate* candidate, Explanation& found) const {
+    constexpr int kMostSteps = 6;
+    constexpr double kShare = 1e-5;  ///< of chi^2 that rejects the fit: what is left of it at a kink
     const Unknowns unknowns(problem);
     const Eigen::VectorXd start = unknowns.values_of(unknowns_, values_);
     Residuals residuals = of(unknowns, start);
     residuals.set_own_errors(start);
     residuals.linearise(start);
     const Minimum minimum = linearised(
-        residuals, minimise_linearised(residuals, unknowns.z(start), {.held = {}, .decrement = 1e-4}));
+        residuals,
+        minimise_linearised(
+            residuals, unknowns.z(start),
+            {.held = {}, .decrement = std::max(1e-4, kShare * best_.chi2), .full_steps = kMostSteps}));
     if (!minimum.converged || minimum.at.empty() || minimum.chi2 > best_.chi2 ||
         !admissible(unknowns, minimum.z))
       return;
@@ -177,7 +184,7 @@ class ScoreTests {
     const Eigen::MatrixXd covariance = uncertainty(unknowns, values, minimum.at).shared;
     found.refitted = true;
     if (found.name != "run_scatter") found.chi2_fall = best_.chi2 - minimum.chi2;
-    found.p_after = chi2_survival(minimum.chi2, residuals_.degrees_of_freedom() - found.dof);
+    found.p_after = residuals_.p_value(minimum.chi2, found.dof);
     put(values, covariance, unknowns, found);
     if (candidate == nullptr) return;
     double square = 0, variance = 0, sum = 0;
@@ -194,6 +201,12 @@ class ScoreTests {
   }
 
  private:
+  /// Slides have no viscous part of their own here, which would leave nothing to the one of all.
+  Problem with_all_free() const {
+    Problem problem = with_free(problem_, not_yet_unknown());
+    problem.between_viscous_slides = {};
+    return problem;
+  }
   std::vector<FitParameter> not_yet_unknown() const {
     std::vector<FitParameter> free;
     for (const Candidate& candidate : candidates())
@@ -226,8 +239,7 @@ class ScoreTests {
     found.chi2_fall = b.dot(covariance * b);
     found.size = size.size() == 1 ? size(0) : size.norm();
     found.size_sd = std::sqrt(size.dot(covariance * size)) / std::max(size.norm(), 1e-300);
-    found.p_after = chi2_survival(std::max(0.0, best_.chi2 - found.chi2_fall),
-                                  residuals_.degrees_of_freedom() - found.dof);
+    found.p_after = residuals_.p_value(std::max(0.0, best_.chi2 - found.chi2_fall), found.dof);
     const Eigen::MatrixXd back = information_ * with.transpose();
     put(values_.head(unknowns_.common()) - step_ - back * size,
         information_ + back * covariance * back.transpose(), unknowns_, found);
@@ -278,26 +290,27 @@ double gain(const Explanation& found, std::size_t runs) {
   return gain_of(found) - chosen;
 }
 
-}  // namespace
-
-Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
-  if (!residuals.linear_in_conditions()) return minimise(residuals, z, options);
-  constexpr int kMostTimes = 5;
-  constexpr double kStays = 0.01;  ///< of chi^2
-  MinimiseOptions rough = options;
-  rough.decrement = std::max(options.decrement, 0.1 * kStays);
-  Minimum minimum = minimise(residuals, z, rough);
-  for (int k = 0; k < kMostTimes && minimum.converged; ++k) {
-    const double before = minimum.chi2;
-    if (!residuals.linearise(residuals.unknowns().values(minimum.z))) break;
-    minimum = minimise(residuals, minimum.z, rough);
-    if (std::abs(minimum.chi2 - before) < kStays * std::max(1.0, kStays * before)) break;
-  }
-  Minimum fine = minimise(residuals, minimum.z, options);
-  // A kink of chi^2 can keep a descent from its last digits.
-  fine.converged |= minimum.converged && std::abs(fine.chi2 - minimum.chi2) < rough.decrement;
-  return fine;
+/// Of free slides alone: how many of their numbers are independent. Their points err alike beyond what they
+/// tell, so that no law leaves chi^2 as it should be; of errors of an unknown size that many numbers say a
+/// law is likelier where chi^2 falls by a share, by n ln of the ratio. 0 where there are driven runs.
+double independent_points(const Residuals& residuals, Minimum best) {
+  const Problem& problem = residuals.unknowns().problem();
+  best = linearised(residuals, std::move(best));
+  if (!problem.summary_runs.empty() || best.at.empty() ||
+      std::ranges::any_of(problem.trajectory_runs, [](const TrajectoryRun& run) { return !run.free_slide; }))
+    return 0;
+  const ExcessVariance excess =
+      estimate_excess_variance(residuals, residuals.unknowns().values(best.z), best.at);
+  constexpr double kOwn = 5;  ///< numbers of each slide that place, velocity and mu1 take
+  double count = 0;
+  for (std::size_t i = 0; i < excess.trajectories.size(); ++i)
+    count += std::max(
+        0.0, 2 * static_cast<double>(residuals.track(i).points()) / excess.trajectories[i].correlation_time -
+                 kOwn);
+  return count;
 }
+
+}  // namespace
 
 std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Minimum& best, bool rejected,
                                            int threads) {
@@ -350,11 +363,15 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
         tests.refit(list[i].problem(), list[i].candidate, list[i].found);
     std::stable_sort(list.begin(), list.end(), better);
   }
+  const double of_slides = independent_points(residuals, best);
   std::vector<ExplainedProblem> result;
   for (Tested& tested : list) {
     Explanation& found = tested.found;
-    found.explains =
-        rejected && found.refitted && found.p_after > kExplained && gain(found, runs) > kPreferred;
+    found.explains = rejected && found.refitted && gain(found, runs) > kPreferred &&
+                     (found.p_after > kExplained || of_slides > 0);
+    if (found.explains && of_slides > 0)
+      found.explains =
+          of_slides * std::log(best.chi2 / (best.chi2 - found.chi2_fall)) > kPreferred + 2 * found.dof;
     result.push_back({found, found.refitted ? tested.problem() : Problem{}});
   }
   return result;

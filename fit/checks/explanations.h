@@ -35,8 +35,4 @@ inline double gain_of(const Explanation& found) {
   return found.chi2_fall - 2 * found.dof;
 }
 
-/// A descent of residuals that are linear in the conditions, linearised again where it ends until it stays.
-Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z,
-                            const MinimiseOptions& options = {});
-
 }  // namespace tribotrack::fit::internal

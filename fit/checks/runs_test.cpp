@@ -18,20 +18,21 @@ double few_runs(int seen, double up, double down) {
 
 }  // namespace
 
-double runs_test(const Residuals& residuals, const Minimum& best) {
-  const auto& runs = residuals.unknowns().problem().summary_runs;
-  if (runs.size() < 8) return 1;
+double runs_test(const std::vector<RunResult>& runs) {
   struct Row {
     double width, phi, along, across;
   };
   std::vector<Row> rows;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    const Eigen::Vector2d difference = residuals.difference(best.at, i);
-    const Eigen::Vector2d along = (runs[i].measured.vector - difference).normalized();
-    const auto& friction = runs[i].scenario.friction;
+  for (const RunResult& run : runs) {
+    if (run.points > 0 || run.prediction || run.residuals.size() < 2) continue;
+    const Residual &x = run.residuals[0], &y = run.residuals[1];
+    const Eigen::Vector2d difference(x.measured - x.modelled, y.measured - y.modelled);
+    const Eigen::Vector2d along = Eigen::Vector2d(x.modelled, y.modelled).normalized();
+    const auto& friction = run.fitted.friction;
     rows.push_back({friction.pulse_width, friction.phase, along.dot(difference),
                     along.x() * difference.y() - along.y() * difference.x()});
   }
+  if (rows.size() < 8) return 1;
   std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
     return std::tie(a.width, a.phi) < std::tie(b.width, b.phi);
   });

@@ -1,13 +1,14 @@
 // Do the residuals of neighbouring runs go together, as they do under a wrong model?
 #pragma once
 
-#include "fit/minimum/minimise.h"
-#include "fit/residuals/residuals.h"
+#include <vector>
+
+#include "fit/fit_result.h"
 
 namespace tribotrack::fit::internal {
 
 /// p of so few changes of sign, along and across the displacements, among summary runs sorted by dtau and phi
 /// (Wald and Wolfowitz, Ann. Math. Stat. 11, 147, 1940). 1 with fewer than eight runs.
-double runs_test(const Residuals& residuals, const Minimum& best);
+double runs_test(const std::vector<RunResult>& runs);
 
 }  // namespace tribotrack::fit::internal

@@ -40,9 +40,10 @@ const char* to_string(Use use) {
   return "do_not_use";
 }
 
-Interval expected_reduced_chi2(int dof) {
+Interval expected_reduced_chi2(int dof, double noise_dof) {
   if (dof < 1) return {};
-  return {internal::chi2_quantile(0.005, dof) / dof, internal::chi2_quantile(0.995, dof) / dof};
+  const double all = 1 / (1.0 / dof + 1 / noise_dof);
+  return {internal::chi2_quantile(0.005, all) / all, internal::chi2_quantile(0.995, all) / all};
 }
 
 namespace internal {
@@ -150,7 +151,8 @@ Agreement agreement(const FitResult& result) {
   if (!std::isfinite(result.chi2) || result.dof < 1) return Agreement::unknown;
   if (surprised) return Agreement::poor;
   const int least = result.dof - result.conditions;
-  if (least > 0 && result.chi2 < chi2_quantile(0.005, least)) return Agreement::too_good;
+  if (least > 0 && result.chi2 < least * expected_reduced_chi2(least, result.noise_dof).low)
+    return Agreement::too_good;
   return Agreement::good;
 }
 

@@ -16,6 +16,12 @@ namespace tribotrack::fit::internal {
 namespace {
 
 constexpr std::size_t kMostPoints = 240;  ///< of a forecast track: more add no shape
+constexpr long kLonger = 50;              ///< times the steps of the runs so far
+
+long steps_of(model::Scenario scenario, double duration) {
+  if (duration > 0) scenario.duration = duration;
+  return model::integrate(scenario, {.tolerance = 1e-6, .derivatives = {}, .dense = false}).summary().steps;
+}
 
 }  // namespace
 
@@ -38,6 +44,14 @@ Forecaster::Forecaster(const Residuals& residuals, const Eigen::VectorXd& values
     amplitude_from_track_ = runs.front().amplitude_from_track;
   }
   clockwise_ = std::sin(base_.drive.phase_shift) >= 0;
+  const Unknowns& unknowns = residuals.unknowns();
+  for (const SummaryRun& run : runs)
+    most_steps_ = std::max(
+        most_steps_, steps_of(unknowns.apply_summary(values, run, false).scenario, run.measured.duration));
+  if (track_)
+    most_steps_ = std::max(
+        most_steps_, steps_of(unknowns.apply_trajectory(values, *track_, false).scenario, base_.duration));
+  most_steps_ *= kLonger;
   if (track_) return;
   // ln sd = ln sd_ + power ln(length/length_), a straight line through the runs.
   double mean_x = 0, mean_y = 0, square = 0, product = 0;
@@ -84,7 +98,7 @@ Eigen::MatrixXd Forecaster::of_displacement(const model::Scenario& scenario, dou
   const Unknowns& unknowns = residuals_.unknowns();
   const auto applied = unknowns.apply(values_, scenario, amplitude_from_track_, true);
   if (applied.wanted.empty()) return {};
-  const EndPoint end = end_point(applied.scenario, applied.wanted, tolerance);
+  const EndPoint end = end_point(applied.scenario, applied.wanted, tolerance, most_steps_);
   const Eigen::Vector2d displacement = end.position / applied.scale;
   Eigen::MatrixXd rows = end.jacobian * applied.chain / applied.scale;
   if (const auto scale = unknowns.find(FitParameter::scale)) rows.col(*scale) -= displacement / applied.scale;
@@ -109,8 +123,9 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
   std::vector<double> times;
   for (std::size_t k = 0; k < n; ++k)
     times.push_back(scenario.duration * static_cast<double>(k) / static_cast<double>(n - 1));
-  const PointModel points = model_points(unknowns, applied, times,
-                                         {!like.track.platform_frame, like.track.exposure}, tolerance, true);
+  const PointModel points =
+      model_points(unknowns, applied, times, {!like.track.platform_frame, like.track.exposure}, tolerance,
+                   true, most_steps_);
   const auto& scatter = residuals_.excess_variance().trajectories[*track_];
   const double variance = 0.5 * point_errors(like.track, 0).own.trace() +
                           scatter.between_points * scatter.between_points + kFinestSigma * kFinestSigma;
@@ -219,6 +234,7 @@ std::vector<std::optional<Forecast>> Forecaster::forecasts(const std::vector<Can
   model::BatchOptions batch;
   batch.threads = threads;
   batch.tolerance = kTolerance;
+  batch.max_steps = most_steps_;
   const model::BatchOutcome outcome = model::solve_batch(
       together.size() * runs, [&](std::size_t index) { return applied_to(index).scenario; }, batch);
   for (std::size_t k = 0; k < together.size(); ++k) {
@@ -242,6 +258,7 @@ std::vector<std::optional<Forecast>> Forecaster::forecasts(const std::vector<Can
     }
   }
   parallel_for(alone.size(), threads, [&](std::size_t i) {
+    if (stage.late()) return;
     all[alone[i]] = forecast(candidates[alone[i]], tolerance);
     stage.done();
   });

@@ -32,9 +32,11 @@ class Forecaster {
   Forecaster(const Residuals& residuals, const Eigen::VectorXd& values);
   Forecaster(const Residuals&& residuals, const Eigen::VectorXd& values) = delete;
   Candidate drive_so_far() const;
-  /// nullopt where the model cannot be evaluated or nothing fitted moves the run.
+  /// nullopt where the model cannot be evaluated, takes more than 50 times the steps of the longest of the
+  /// runs so far, or where nothing fitted moves the run.
   std::optional<Forecast> forecast(const Candidate& candidate, double tolerance) const;
   /// Of many, on several threads; displacements by differences of runs in lanes where the platform circles.
+  /// None of those that the stage is late for.
   std::vector<std::optional<Forecast>> forecasts(const std::vector<Candidate>& candidates, double tolerance,
                                                  int threads, Stage& stage) const;
   /// The same turned to another phi by the rotation law: exact for the steady drift of a circling platform,
@@ -55,6 +57,7 @@ class Forecaster {
   std::optional<std::size_t> track_;  ///< the trajectory run it is like; else like the summary runs
   double sd_ = 0, length_ = 1, power_ = 0;
   bool clockwise_ = true;
+  long most_steps_ = 0;
 };
 
 }  // namespace tribotrack::fit::internal

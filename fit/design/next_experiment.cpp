@@ -15,13 +15,16 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr int kPhases = 8, kWidths = 7;
+constexpr int kPhases = 8;
+constexpr std::size_t kWidths = 7;
 constexpr double kGridStep = std::numbers::pi / 4;  ///< of the grid in phi and dtau
 constexpr double kWorthMentioning = 0.02;           ///< shorter standard deviation than with the best for all
 constexpr double kWorthAnotherDrive = 0.1;          ///< shorter standard deviations than with the own drive
 constexpr std::pair<double, double> kDrives[] = {{1, 1}, {0.8, 1}, {1.25, 1}, {1, 0.8}, {1, 1.25}};
 constexpr std::size_t kForecastAgain = 3;    ///< best places of the grid, at every phi
 constexpr double kForecastTolerance = 1e-3;  ///< of the forecasts: derivatives to better than 1e-3
+
+constexpr Stage::Seconds kLongest(1);
 
 /// Covariance of the reported parameters from the information on all.
 Eigen::MatrixXd reported_covariance(const Eigen::MatrixXd& information, Eigen::Index reported) {
@@ -48,7 +51,7 @@ class Search {
         t_(t),
         forecaster_(residuals, values),
         threads_(options.threads),
-        stage_(options, "next experiment") {
+        stage_(options, "next experiment", 0, kLongest) {
     information_ = at.scaled(units_).eliminated().normal();
     for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {  // conditions have their priors
       const double widest = range(unknowns_, unknowns_.parameter(i), values) / units_(i);
@@ -61,14 +64,18 @@ class Search {
   void sample() {
     const Candidate own = forecaster_.drive_so_far();
     for (const auto& [a, w] : kDrives)
-      for (int j = 1; j <= kWidths; ++j)
+      for (std::size_t j = 1; j <= kWidths; ++j)
         places_.push_back(
-            {{0, j * kGridStep, a * own.amplitude, w * own.angular_frequency}, a == 1 && w == 1});
-    std::vector<Candidate> seeds;
-    for (const Place& place : places_) seeds.push_back(place.seed);
-    const auto forecasts = forecaster_.forecasts(seeds, kForecastTolerance, threads_, stage_);
-    for (std::size_t k = 0; k < places_.size(); ++k) places_[k].at_zero = forecasts[k];
+            {{0, static_cast<double>(j) * kGridStep, a * own.amplitude, w * own.angular_frequency},
+             a == 1 && w == 1});
+    for (std::size_t first = 0; first < places_.size() && !stage_.late(); first += kWidths) {
+      std::vector<Candidate> seeds;
+      for (std::size_t k = first; k < first + kWidths; ++k) seeds.push_back(places_[k].seed);
+      const auto forecasts = forecaster_.forecasts(seeds, kForecastTolerance, threads_, stage_);
+      for (std::size_t k = 0; k < kWidths; ++k) places_[first + k].at_zero = forecasts[k];
+    }
   }
+  bool late() const { return stage_.late(); }
 
   std::optional<NextExperiment> best(std::optional<Eigen::Index> aim, bool own_drive) {
     std::vector<std::pair<double, Place*>> order;
@@ -117,7 +124,7 @@ class Search {
   }
 
   const std::vector<std::optional<Forecast>>& at_every_phase(Place& place) {
-    if (!place.good.empty()) return place.good;
+    if (!place.good.empty() || stage_.late()) return place.good;
     std::vector<Candidate> turned(kPhases - 1, place.seed);
     for (int i = 1; i < kPhases; ++i) turned[static_cast<std::size_t>(i - 1)].phi = i * kGridStep;
     place.good = forecaster_.forecasts(turned, kForecastTolerance, threads_, stage_);
@@ -196,6 +203,8 @@ NextExperiments next_experiments(const Residuals& residuals, const Eigen::Vector
     if (aimed && !same(*aimed, driven) && search.gain(aimed, i) > search.gain(own, i) + kWorthAnotherDrive)
       result.others.push_back(*aimed);
   }
+  // By how much of it a machine has done meanwhile no result may differ.
+  if (search.late()) return {.best = {}, .others = {}, .given_up = true};
   return result;
 }
 

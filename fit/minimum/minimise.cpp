@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "fit/estimate.h"
+#include "fit/tools/dense.h"
 #include "fit/tools/thresholds.h"
 
 namespace tribotrack::fit {
@@ -136,6 +137,8 @@ class Watch final : public ceres::IterationCallback {
         return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
       }
     }
+    if (!(lowest_ - chi2 < kStalled)) lowest_ = chi2, since_ = summary.iteration;
+    if (summary.iteration - since_ >= kPatience) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     const Evaluation::Point* point = evaluation_.known();
     return point && newton_decrement(point->by_z, options_.held) < options_.decrement
                ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
@@ -153,10 +156,15 @@ class Watch final : public ceres::IterationCallback {
     return slow_steps_ >= 3 && summary.step_is_successful;
   }
 
+  /// So many steps that gain less than this leave a descent where it is: at a kink of chi^2.
+  static constexpr int kPatience = 8;
+  static constexpr double kStalled = 1e-4;
+
   const Residuals& residuals_;
   const MinimiseOptions& options_;
   Evaluation& evaluation_;
-  int slow_steps_ = 0;
+  int slow_steps_ = 0, since_ = 0;
+  double lowest_ = HUGE_VAL;
 };
 
 ceres::Solver::Options solver_options(const MinimiseOptions& options) {
@@ -240,6 +248,107 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const
   else if (std::isfinite(minimum.chi2))
     minimum = linearised(residuals, std::move(minimum));
   return minimum;
+}
+
+namespace {
+
+/// The full model at z, the residuals linearised there; at infinity without a motion.
+Minimum full_at(Residuals& residuals, const Eigen::VectorXd& z) {
+  const Eigen::VectorXd values = residuals.unknowns().values(z);
+  Minimum here;
+  here.z = z;
+  here.chi2 = std::numeric_limits<double>::infinity();
+  if (!values.allFinite() || !residuals.linearise(values)) return here;
+  if (auto at = residuals.at(values)) {
+    here.chi2 = at->chi2();
+    here.at = std::move(*at);
+  }
+  return here;
+}
+
+/// Levenberg and Marquardt's method in the full model.
+void descend(Residuals& residuals, Minimum& best, const MinimiseOptions& options) {
+  const int most = options.full_steps;
+  constexpr int kLately = 4;
+  constexpr double kLittle = 1, kFine = 1e-11, kFirstDamping = 1e-4, kMostDamping = 10;
+  const double decrement = std::max(options.decrement, kFine);
+  const Unknowns& unknowns = residuals.unknowns();
+  double damping = kFirstDamping, lately = best.chi2;
+  for (int steps = 0; steps < most && !best.converged; ++steps) {
+    const Eigen::MatrixXd jacobian = best.at.scaled(unknowns.slopes(best.z)).jacobian(unknowns.size());
+    Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
+    const Eigen::VectorXd gradient = jacobian.transpose() * best.at.residuals();
+    normal.diagonal() *= 1 + damping;
+    const Eigen::VectorXd step = -solve_symmetric(normal, gradient);
+    if (damping <= kFirstDamping && -step.dot(gradient) < decrement) {
+      best.converged = true;
+      return;
+    }
+    Residuals there = residuals;
+    Minimum next = full_at(there, best.z + step);
+    const double gain = best.chi2 - next.chi2;
+    if (gain > 0) {
+      best = std::move(next);
+      residuals = std::move(there);
+      damping = std::max(0.1 * damping, 1e-2 * kFirstDamping);
+      best.converged = gain < decrement;
+    } else {  // a kink of chi^2 can keep a descent from its last digits
+      best.converged = damping > kMostDamping;
+      damping *= 10;
+    }
+    if (steps + 1 + kLately == most) lately = best.chi2;
+  }
+  // Along kinks the last digits come slowly.
+  best.converged |= lately - best.chi2 < kLittle;
+}
+
+}  // namespace
+
+Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
+  if (!residuals.linear_in_conditions()) return minimise(residuals, z, options);
+  constexpr int kMostTimes = 3;
+  constexpr double kKept = 0.01;  ///< of chi^2, of what the linear problem promised
+  constexpr double kRough = 0.01;
+  MinimiseOptions rough = options;
+  rough.decrement = std::max(options.decrement, kRough);
+  struct Place {
+    Minimum minimum;
+    Residuals residuals;
+  };
+  const auto at = [&](const Eigen::VectorXd& here) {
+    Residuals there = residuals;
+    Minimum minimum = full_at(there, here);
+    return Place{std::move(minimum), std::move(there)};
+  };
+  const auto lower = [](const Place& a, const Place& b) { return a.minimum.chi2 < b.minimum.chi2; };
+  Place best = at(z);
+  // Each minimum of the linear problem is where it is linearised next, lower or not: kinks are stepped over.
+  std::vector<Place> places;
+  bool kept = false;
+  for (int k = 0; k < kMostTimes && !kept; ++k) {
+    const Residuals& from = places.empty() ? residuals : places.back().residuals;
+    const Minimum promised = minimise(from, places.empty() ? z : places.back().minimum.z, rough);
+    places.push_back(at(promised.z));
+    if (places.back().minimum.at.empty()) break;
+    kept =
+        std::abs(places.back().minimum.chi2 - promised.chi2) < kKept * std::max(1.0, kKept * promised.chi2);
+  }
+  places.push_back(best);
+  std::ranges::stable_sort(places, lower);
+  best = places.front();
+  if (best.minimum.at.empty()) return best.minimum;
+  // Where promises are not kept the lowest place need not lead to the lowest minimum.
+  places.resize(
+      kept || options.full_steps < MinimiseOptions{}.full_steps ? 1 : std::min<std::size_t>(places.size(), 2),
+      best);
+  for (Place& place : places) {
+    if (place.minimum.at.empty()) continue;
+    descend(place.residuals, place.minimum, options);
+    if (!best.minimum.converged || lower(place, best)) best = place;
+  }
+  residuals = best.residuals;
+  best.minimum.far_from_linear = !kept;
+  return best.minimum;
 }
 
 Minimum linearised(const Residuals& residuals, Minimum minimum) {

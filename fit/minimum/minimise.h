@@ -13,9 +13,10 @@ struct Minimum {
   Eigen::VectorXd z;
   double chi2 = 0;
   bool converged = false;
-  bool joined = false;     ///< stopped because it entered the basin of a known minimum
-  bool abandoned = false;  ///< stopped because it crawls far above a known minimum
-  Linearised at;           ///< at z, as the descent saw it last; empty where the model has no motion
+  bool joined = false;           ///< stopped because it entered the basin of a known minimum
+  bool far_from_linear = false;  ///< of minimise_linearised: the linear problem did not lead to it
+  bool abandoned = false;        ///< stopped because it crawls far above a known minimum
+  Linearised at;                 ///< at z, as the descent saw it last; empty where the model has no motion
   /// Of another z, (z - this)' J'J (z - this): how much higher chi^2 would be there if the model were linear.
   double distance(const Unknowns& unknowns, const Eigen::VectorXd& other) const;
 };
@@ -26,6 +27,8 @@ struct MinimiseOptions {
   /// is 1e-5 standard deviations from the minimum.
   double decrement = 1e-10;
   int max_iterations = 100;
+  int full_steps =
+      16;  ///< in the full model at most (minimise_linearised), whose every step costs tens of a linear one
   const std::vector<Minimum>* known = nullptr;
   /// The evaluation at the start, where it was made before (same tolerance, scatter and weights).
   const Minimum* evaluated = nullptr;
@@ -36,6 +39,13 @@ struct MinimiseOptions {
 /// are the model's; every point is evaluated once, derivatives and all.
 Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start,
                  const MinimiseOptions& options = {});
+
+/// Of residuals that are linear in the conditions: the minimum of the full model. From the minimum of the
+/// linear one, or from `z` where that is lower, by Levenberg and Marquardt's method with the residuals
+/// linearised at every point; they are left linearised where it ends. Along a kink of chi^2 it ends where no
+/// step leads down any more.
+Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z,
+                            const MinimiseOptions& options = {});
 
 /// With Minimum::at, where it has none.
 Minimum linearised(const Residuals& residuals, Minimum minimum);

@@ -95,7 +95,7 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   const auto surprising = [&] {
     double lowest = HUGE_VAL;
     for (const Minimum& known : search.minima) lowest = std::min(lowest, known.chi2);
-    return !(chi2_survival(lowest, residuals.degrees_of_freedom()) >= kSurprise);
+    return !(residuals.p_value(lowest) >= kSurprise);
   };
   Stage further(options, "further starts",
                 std::min(reserve.size(), wanted - std::min(wanted, starts.size() + 1)));

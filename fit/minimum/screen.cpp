@@ -118,6 +118,7 @@ std::vector<Look> looks(const Residuals& residuals) {
   std::vector<Look> all;
   for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
     const SummaryRun& run = problem.summary_runs[i];
+    if (run.held_out) continue;
     Look look = look_at(run.scenario, run.amplitude_from_track, run.measured.vector, residuals.covariance(i));
     if (run.measured.duration > 0) look.scenario.duration = run.measured.duration;
     all.push_back(look);

@@ -97,6 +97,35 @@ bool is_covered(const std::map<FitParameter, double>& values,
 
 }  // namespace
 
+void fill_mu_of_speed(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
+                      FitResult& result) {
+  constexpr int kPlaces = 20;
+  const Problem& problem = unknowns.problem();
+  const auto mu1 = unknowns.find(FitParameter::mu1);
+  if (!mu1 || !(problem.sets_free(FitParameter::viscous) || problem.sets_free(FitParameter::stribeck)))
+    return;
+  const auto viscous = unknowns.find(FitParameter::viscous), stribeck = unknowns.find(FitParameter::stribeck);
+  const double platform = unknowns.reference_amplitude() * unknowns.reference_frequency();
+  const double gravity = unknowns.value_of(FitParameter::gravity, values);
+  double fastest = platform;
+  for (const RunResult& run : result.runs)
+    if (const auto speed = run.nuisance.find("initial_speed_mm_s"); speed != run.nuisance.end())
+      fastest = std::max(fastest, 1e-3 * speed->second);
+  for (int k = 0; k <= kPlaces; ++k) {
+    const double speed = k * fastest / kPlaces, fading = platform > 0 ? 4 * speed / platform : kInfinity;
+    const double slow = std::exp(-fading * fading);
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(unknowns.common());
+    slope(*mu1) = 1 + (stribeck ? values(*stribeck) * slow : 0);
+    double mu = values(*mu1) * slope(*mu1);
+    if (stribeck) slope(*stribeck) = values(*mu1) * slow;
+    if (viscous) {
+      slope(*viscous) = speed / gravity;
+      mu += values(*viscous) * speed / gravity;
+    }
+    result.mu_of_speed.push_back({speed, mu, std::sqrt(slope.dot(uncertainty.shared * slope))});
+  }
+}
+
 void fill_minima(const Residuals& residuals, const std::vector<Minimum>& minima, FitResult& result) {
   const Unknowns& unknowns = residuals.unknowns();
   const double excess = residuals.excess(minima.front().chi2);
@@ -150,12 +179,14 @@ constexpr const char* kAxes[] = {"dx_mm", "dy_mm"};
 constexpr double kOutlyingPoint = 6;  ///< sigma of the other points
 constexpr int kMostNamed = 5;
 
-RunResult summary_result(const Residuals& residuals, const Minimum& best, std::size_t index) {
+/// `predicted`: the covariance of the model's own displacement.
+RunResult summary_result(const Residuals& residuals, const Minimum& best, std::size_t index,
+                         const Eigen::Matrix2d& predicted = Eigen::Matrix2d::Zero()) {
   const SummaryRun& run = residuals.unknowns().problem().summary_runs[index];
   const Eigen::VectorXd values = residuals.unknowns().values(best.z);
   const Eigen::Vector2d difference = residuals.difference(best.at, index);
   Displacement measured = run.measured;
-  measured.covariance = residuals.covariance(index);
+  measured.covariance = residuals.covariance(index) + predicted;
   if (!(measured.duration > 0)) measured.duration = run.scenario.end_time();
   derive_alpha_and_v(measured);
   Displacement modelled = measured;
@@ -232,7 +263,8 @@ double stop_time(model::Scenario slide) {
   const double deceleration = slide.friction.nominal * slide.drive.gravity - along;
   if (!(deceleration > 0)) return std::numeric_limits<double>::infinity();
   slide.duration = 2 * (velocity + std::abs(slide.spin.rate) * slide.spin.radius) / deceleration;
-  if (slide.spin.rate == 0 || !std::isfinite(slide.duration)) return velocity / deceleration;
+  if ((slide.spin.rate == 0 && slide.viscous == 0) || !std::isfinite(slide.duration))
+    return velocity / deceleration;
   const model::Trajectory run = model::integrate(slide, {.tolerance = 1e-9, .derivatives = {}});
   return run.end_time() - run.summary().stick_time;
 }
@@ -312,6 +344,21 @@ void fill_runs(const Residuals& residuals, const Minimum& best, FitResult& resul
     result.runs.push_back(summary_result(residuals, best, i));
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
     result.runs.push_back(trajectory_result(residuals, values, i, result.warnings));
+}
+
+void fill_predictions(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
+                      FitResult& result) {
+  const std::vector<SummaryRun>& runs = residuals.unknowns().problem().summary_runs;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!runs[i].held_out) continue;
+    const Eigen::Matrix2Xd moved = residuals.derivatives(best.at, i);
+    RunResult run = summary_result(residuals, best, i, moved * uncertainty.shared * moved.transpose());
+    const double chi2 =
+        Eigen::Vector2d(run.residuals[0].standardised, run.residuals[1].standardised).squaredNorm();
+    run.prediction = {chi2, chi2_survival(chi2, 2)};
+    run.influence = result.runs[i].influence;
+    result.runs[i] = std::move(run);
+  }
 }
 
 namespace {

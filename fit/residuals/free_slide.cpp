@@ -152,11 +152,12 @@ void add_platform(const model::Scenario& scenario, double time, double seen,
 
 PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied,
                         const std::vector<double>& times, const Seen& seen, double tolerance,
-                        bool derivatives) {
+                        bool derivatives, long max_steps) {
   model::Scenario scenario = applied.scenario;
   scenario.duration = times.back();
   model::IntegrationOptions options;
   options.tolerance = tolerance;
+  options.max_steps = max_steps;
   if (derivatives) options.derivatives = applied.wanted;
   // On a platform at rest a part slides and stops: steps without end are those of values that mean nothing.
   constexpr long kMostOfASlide = 20'000;

@@ -18,11 +18,11 @@ constexpr double kTolerance = 1e-6;
 double step_of(FitParameter law) {
   switch (law) {
     case FitParameter::viscous:
-      return 0.1;
-    case FitParameter::gate_edges:
       return 0.01;
+    case FitParameter::gate_edges:
+      return 0.001;
     default:
-      return 0.02;
+      return 0.002;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fit/residuals/unknowns.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::fit::internal {
 
@@ -19,9 +20,10 @@ struct Seen {
   double exposure = 0;        ///< s: a point is the mean over it
 };
 
-/// At `times` (s from the start).
+/// At `times` (s from the start). Throws as model::integrate(), beyond `max_steps` (a slide's are bounded)
+/// too.
 PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied,
                         const std::vector<double>& times, const Seen& seen, double tolerance,
-                        bool derivatives);
+                        bool derivatives, long max_steps = model::IntegrationOptions{}.max_steps);
 
 }  // namespace tribotrack::fit::internal

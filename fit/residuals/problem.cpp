@@ -141,6 +141,11 @@ double DiscSpin::rate_sd() const {
   return std::sqrt(covariance(0, 0));
 }
 
+bool Problem::sets_free(FitParameter quantity) const {
+  return std::ranges::any_of(
+      conditions, [&](const Condition& c) { return c.quantity == quantity && c.from == kSetFree; });
+}
+
 void Problem::validate() const {
   if (free.empty()) throw DataError("Nothing to fit: [fit] parameters is empty.");
   if (std::set<FitParameter>(free.begin(), free.end()).size() != free.size())

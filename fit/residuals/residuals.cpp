@@ -102,6 +102,21 @@ double Residuals::degrees_of_freedom() const {
   return dof;
 }
 
+double Residuals::noise_degrees_of_freedom() const {
+  const auto all = static_cast<double>(layout_.rows());
+  double inverse = 0;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const double share = 2 * static_cast<double>(tracks_[i]->points()) / all;
+    const double own = 2 * problem_->trajectory_runs[i].track.noise_dof;  // of two axes
+    if (own > 0) inverse += share * share / own;
+  }
+  return 1 / inverse;
+}
+
+double Residuals::p_value(double chi2, int more) const {
+  return chi2_survival(chi2, degrees_of_freedom() - more, noise_degrees_of_freedom());
+}
+
 double Residuals::excess(double chi2) const {
   const double dof = degrees_of_freedom();
   return dof > 0 ? std::max(1.0, chi2 / dof) : 1;
@@ -206,6 +221,11 @@ void Residuals::set_own_errors(const Eigen::VectorXd& values) {
 Eigen::Vector2d Residuals::difference(const Linearised& at, std::size_t index) const {
   return Factor2(covariance(index)).lower() *
          at.groups.front().residuals.segment<2>(2 * static_cast<Eigen::Index>(index)) / root_of_weight(index);
+}
+
+Eigen::Matrix2Xd Residuals::derivatives(const Linearised& at, std::size_t index) const {
+  return -Factor2(covariance(index)).lower() *
+         at.groups.front().shared.middleRows(2 * static_cast<Eigen::Index>(index), 2) / root_of_weight(index);
 }
 
 double Residuals::root_of_weight(std::size_t index) const {

@@ -95,11 +95,17 @@ class Residuals {
   const RowLayout& layout() const { return layout_; }
   /// Independent rows less unknowns (trajectory points divided by their correlation time).
   double degrees_of_freedom() const;
+  /// Those of the tracks' own variances, where these were estimated from the points; infinite without such.
+  double noise_degrees_of_freedom() const;
+  /// That chance makes chi^2 so large, `more` unknowns being free beside those there are.
+  double p_value(double chi2, int more = 0) const;
   /// max(1, chi^2/dof): by how much the residuals exceed their sigma.
   double excess(double chi2) const;
 
-  /// Measured less modelled displacement of a summary run.
+  /// Measured less modelled displacement of a summary run, and the modelled one's derivatives by what all
+  /// share.
   Eigen::Vector2d difference(const Linearised& at, std::size_t summary_run) const;
+  Eigen::Matrix2Xd derivatives(const Linearised& at, std::size_t summary_run) const;
   /// `common` is common_error() of the same values; without it PointResiduals::correlated holds the run's
   /// own.
   PointResiduals points(const Eigen::VectorXd& values, std::size_t trajectory_run,

@@ -117,8 +117,14 @@ Unknowns::Unknowns(const Problem& problem) : problem_(&problem), common_(problem
     if (run.spin)
       add(Nuisance::spin, i, Eigen::Vector2d(run.spin->rate, run.spin->bearing),
           Eigen::Vector2d(speed / run.track.radius, 1), Factor2(run.spin->covariance).inverse_lower());
-    if (problem.between_slides > 0 && find(FitParameter::mu1))
+    const auto& under_law = problem.between_viscous_slides;
+    if (find(FitParameter::viscous) && under_law.mu1 > 0 && under_law.viscous > 0) {
+      const Eigen::Vector2d sd(under_law.mu1, under_law.viscous);
+      add(Nuisance::deviation, i, Eigen::Vector2d::Zero(), sd,
+          sd.cwiseInverse().asDiagonal().toDenseMatrix());
+    } else if (problem.between_slides > 0 && find(FitParameter::mu1)) {
       add(Nuisance::deviation, i, one(0), one(problem.between_slides), one(1 / problem.between_slides));
+    }
   }
 }
 
@@ -189,7 +195,8 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
         here << speed / problem_->trajectory_runs[block.run].track.radius, 1;
         break;
       case Nuisance::deviation:
-        here.setConstant(mu1);
+        here.setOnes();  // 1/s of the viscous part
+        here(0) = mu1;
         break;
       case Nuisance::phase:
         here.setOnes();
@@ -209,8 +216,10 @@ Eigen::VectorXd Unknowns::values_of(const Unknowns& other, const Eigen::VectorXd
   }
   for (const NuisanceBlock& block : nuisances_) {
     const NuisanceBlock* there = other.find(block.kind, block.run);
-    result.segment(block.first, block.size()) =
-        there ? values.segment(there->first, there->size()).eval() : block.guess;
+    result.segment(block.first, block.size()) = block.guess;
+    if (!there) continue;
+    const Eigen::Index both = std::min(block.size(), there->size());
+    result.segment(block.first, both) = values.segment(there->first, both);
   }
   return result;
 }
@@ -439,24 +448,30 @@ AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::s
   const Eigen::Index v = find(Nuisance::velocity, run)->first, shared = common() - own_[run].first;
   const NuisanceBlock *spin = find(Nuisance::spin, run), *deviation = find(Nuisance::deviation, run);
   result.scenario.initial_velocity = values.segment<2>(v);
+  result.scenario.viscous = value_of(FitParameter::viscous, values);
+  const bool viscous_too = deviation && deviation->size() > 1;
   if (deviation) result.scenario.friction.nominal += values(deviation->first);
+  if (viscous_too) result.scenario.viscous += values(deviation->first + 1);
   if (spin) {
     // The radius was measured in the same picture. An even disc about its bearing face: k = (R/R_bearing)^2
     // / 2.
-    const double bearing = std::exp(DiscSpin::within(values(spin->first + 1)));
+    const double bearing = std::exp(DiscSpin::within(values(spin->first + 1), slide.track.round));
     result.scenario.spin = {values(spin->first), slide.track.radius * result.scale * bearing,
                             0.5 / (bearing * bearing)};
   }
   if (!derivatives) return result;
   Chain chain(result);
+  chain.add(model::Parameter::viscous, find(FitParameter::viscous), 1);
   chain.add(model::Parameter::velocity_x, shared + v, 1);
   chain.add(model::Parameter::velocity_y, shared + v + 1, 1);
   if (deviation) chain.add(model::Parameter::mu1, shared + deviation->first, 1);
+  if (viscous_too) chain.add(model::Parameter::viscous, shared + deviation->first + 1, 1);
   if (spin) {
     // The path knows rate and radius by their product alone.
     const Eigen::Index rate = shared + spin->first;
     chain.add(model::Parameter::spin, rate, 1);
-    const double bearing = values(spin->first + 1), inside = DiscSpin::within(bearing) == bearing ? 1 : 0;
+    const double bearing = values(spin->first + 1),
+                 inside = DiscSpin::within(bearing, slide.track.round) == bearing ? 1 : 0;
     chain.add(model::Parameter::spin, rate + 1, inside * values(spin->first));
     chain.add(model::Parameter::spin, find(FitParameter::scale), values(spin->first) / result.scale);
     chain.add(model::Parameter::inertia, rate + 1, -2 * inside * result.scenario.spin.inertia);

@@ -21,8 +21,9 @@ struct AppliedScenario {
 };
 
 /// Unknowns of one trajectory run: the initial velocity (x, y) of a free slide, its spin where that is seen
-/// (rate and ln of the bearing), the deviation of its mu1 from the mean where slides differ; the shift of the
-/// platform's phase where that has an sd, and the errors of what the run alone is known by.
+/// (rate and ln of the bearing), the deviation of its mu1 (and viscous part) from the mean where slides
+/// differ; the shift of the platform's phase where that has an sd, and the errors of what the run alone is
+/// known by.
 enum class Nuisance { velocity, spin, deviation, phase, own };
 
 struct NuisanceBlock {

@@ -131,6 +131,12 @@ std::string spin_text(const SlideResult& slide) {
   if (slide.slope != 0)
     return fmt::format("{} an incline of {} rad.", slide.slope > 0 ? "Down" : "Up",
                        number(std::abs(slide.slope), 4));
+  if (slide.spin_fitted)
+    return fmt::format(
+        "Spin was not seen, but its deceleration changes as that of a spinning part does: fitted with a rim "
+        "speed "
+        "over slide speed of {}.",
+        number(slide.spin_ratio.value, 2));
   if (!slide.spin_seen)
     return fmt::format(
         "Spin was not seen: fitted without; a rim speed of half the slide's would make mu1 {} % larger.",
@@ -179,7 +185,7 @@ std::string unseen_spins(const FitResult& result) {
   std::size_t count = 0;
   double change = 0;
   for (const SlideResult& slide : result.slides)
-    if (!slide.spin_seen && slide.slope == 0) {
+    if (!slide.spin_seen && !slide.spin_fitted && slide.slope == 0) {
       names += fmt::format("{}'{}'", names.empty() ? "" : ", ", slide.run);
       change = std::max(change, slide.change_by_half_spin);
       ++count;
@@ -216,10 +222,9 @@ void describe_scatter(const BetweenSlides& between, FitResult& result) {
 void describe_slides(const BetweenSlides* between, FitResult& result) {
   for (SlideResult& slide : result.slides) {
     slide.sentence =
-        fmt::format("mu1 = {}, chi2 {} at {} degrees of freedom (p = {}). {}", pm(slide.mu1),
+        fmt::format("mu1 = {}{}, chi2 {} at {} degrees of freedom (p = {}). {}", pm(slide.mu1),
+                    slide.viscous ? fmt::format(" and {} 1/s by its speed", pm(*slide.viscous)) : "",
                     number(slide.chi2, 3), slide.dof, number(slide.p_value, 2), spin_text(slide));
-    if (!slide.spin_seen && slide.slope == 0 && slide.p_value < kSurprise)
-      slide.sentence.append(" Its deceleration is not constant; that of a spinning part is not.");
     for (const std::string& finding : {blows_text(slide), slow_text(slide), loose_text(slide)}) {
       if (finding.empty()) continue;
       result.warnings.push_back(finding);

@@ -322,7 +322,7 @@ std::optional<DiscSpin> slide_spin(const TrajectoryRun& run, double mu, const Ei
     double share = 1;
     const auto moved = [&] {
       const Eigen::Vector3d to = at + share * step;
-      return Eigen::Vector3d(to(0), to(1), DiscSpin::within(to(2)));
+      return Eigen::Vector3d(to(0), to(1), DiscSpin::within(to(2), run.track.round));
     };
     Linearised there = residuals_at(seen, scenario, moved());
     while (!(there.residuals.squaredNorm() <= here.residuals.squaredNorm()) && share > 1e-4) {

@@ -63,6 +63,26 @@ FitResult fit_with_spin(Problem& alone, const FitAlone& fit_alone) {
   return fit;
 }
 
+/// Spin that was not seen, where it leaves nothing to explain of a deceleration that is not constant: a rim
+/// speed of half the sliding's, within a quarter. Faster ones brake in proportion to the speed, as viscous
+/// friction does, and are left to that. Nothing where it does not.
+std::optional<FitResult> with_unseen_spin(const Problem& alone, const FitResult& without,
+                                          const FitAlone& fit_alone, TrajectoryRun& run) {
+  if (!(without.p_value < kSurprise)) return std::nullopt;
+  Problem spinning = alone;
+  TrajectoryRun& slide = spinning.trajectory_runs.front();
+  if (!(slide.track.radius > 0)) slide.track.radius = 1;  // only the rim's speed counts
+  const double rate = 0.5e-3 * without.runs.front().nuisance.at("initial_speed_mm_s") / slide.track.radius;
+  constexpr double kFastest = 1.3;     ///< rim over slide
+  constexpr double kWholeFace = 0.05;  ///< sd of ln of the bearing radius
+  slide.spin = DiscSpin{rate, 0, Eigen::Vector2d(0.25 * rate * rate, kWholeFace * kWholeFace).asDiagonal()};
+  FitResult fit = fit_alone(spinning, true);
+  if (!(fit.p_value > kExplained) || fit.runs.front().nuisance.at("spin_ratio") > kFastest)
+    return std::nullopt;
+  run = slide;
+  return fit;
+}
+
 /// Relative change of the slide's mu1 if its rim moved half as fast as it slides.
 double change_by_half_spin(Problem alone, const SlideResult& slide, const FitAlone& fit_alone) {
   TrajectoryRun& run = alone.trajectory_runs.front();
@@ -86,7 +106,7 @@ void take_result(const FitResult& fit, double spin_sd, SlideResult& slide) {
   slide.points = run.points;
   slide.speed = 1e-3 * run.nuisance.at("initial_speed_mm_s");
   slide.stop_time = run.nuisance.at("stop_time_s");
-  if (!slide.spin_seen) return;
+  if (!slide.spin_seen && !slide.spin_fitted) return;
   slide.spin = {run.nuisance.at("spin_rad_s"), spin_sd};
   const double per_rate = run.nuisance.at("spin_ratio") / std::abs(slide.spin.value);
   slide.spin_ratio = {run.nuisance.at("spin_ratio"), per_rate * slide.spin.sd};
@@ -123,8 +143,16 @@ void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
       slides[i].shown_slow = shown->slow;
       fit = fit_with_spin(alone, fit_alone);
     }
+    // Of several slides a law that all share is asked first: a spin of each brakes much as viscous friction
+    // does.
+    if (runs.size() == 1 && !slides[i].spin_seen && runs[i]->slope == 0)
+      if (auto spinning = with_unseen_spin(alone, fit, fit_alone, *runs[i])) {
+        fit = std::move(*spinning);
+        slides[i].spin_fitted = true;
+        alone.trajectory_runs.front() = *runs[i];
+      }
     runs[i]->spin = alone.trajectory_runs.front().spin;
-    if (runs[i]->spin)
+    if (slides[i].spin_seen)
       slides[i].bearing = {std::exp(runs[i]->spin->bearing),
                            std::exp(runs[i]->spin->bearing) * std::sqrt(runs[i]->spin->covariance(1, 1))};
     take_result(fit, runs[i]->spin ? runs[i]->spin->rate_sd() : 0, slides[i]);
@@ -133,9 +161,39 @@ void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
         onset != fit.runs.front().nuisance.end())
       slides[i].first_frame = static_cast<std::int64_t>(onset->second);
     if (!frame.empty()) slides[i].last_frame = frame.back();
-    if (!slides[i].spin_seen && runs[i]->slope == 0)
+    if (!slides[i].spin_seen && !slides[i].spin_fitted && runs[i]->slope == 0)
       slides[i].change_by_half_spin = change_by_half_spin(alone, slides[i], fit_alone);
   });
+}
+
+std::optional<ViscousSlides> fit_viscous(const Problem& problem, const FitAlone& fit_alone, int threads,
+                                         const std::vector<SlideResult>& constant) {
+  if (std::ranges::count(problem.free, FitParameter::mu1) == 0 ||
+      std::ranges::none_of(constant, [](const SlideResult& slide) { return slide.p_value < kSurprise; }))
+    return std::nullopt;
+  const std::map<FitParameter, double> together = fitted_together(problem, fit_alone);
+  std::vector<const TrajectoryRun*> runs;
+  for (const TrajectoryRun& run : problem.trajectory_runs)
+    if (run.free_slide) runs.push_back(&run);
+  ViscousSlides found{constant, {}, {}};
+  parallel_for(runs.size(), threads, [&](std::size_t i) {
+    SlideResult& slide = found.slides[i];
+    Problem alone = problem_of_one(problem, *runs[i], together);
+    alone.free.push_back(FitParameter::viscous);
+    const FitResult fit = fit_alone(alone, true);
+    take_result(fit, slide.spin.sd, slide);
+    slide.viscous = {fit.parameters.back().estimate, fit.parameters.back().sd};
+  });
+  std::vector<Estimate> mu1, viscous;
+  for (const SlideResult& slide : found.slides) {
+    if (!(slide.mu1.sd > 0) || !std::isfinite(slide.mu1.sd) || !std::isfinite(slide.viscous->sd)) continue;
+    mu1.push_back(slide.mu1);
+    viscous.push_back(*slide.viscous);
+  }
+  if (mu1.size() < 2) return std::nullopt;
+  found.mu1 = between_slides(mu1);
+  found.viscous = between_slides(viscous);
+  return found;
 }
 
 std::optional<BetweenSlides> compare_slides(const Problem& problem, const std::vector<SlideResult>& slides) {

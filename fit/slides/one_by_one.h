@@ -23,6 +23,15 @@ using FitAlone = std::function<FitResult(const Problem&, bool scatter)>;
 void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
                     std::vector<SlideResult>& slides);
 
+/// The slides with a viscous part each, and how they differ; nullopt where a constant friction describes
+/// every one of them, or fewer than two determine both.
+struct ViscousSlides {
+  std::vector<SlideResult> slides;
+  BetweenSlides mu1, viscous;
+};
+std::optional<ViscousSlides> fit_viscous(const Problem& problem, const FitAlone& fit_alone, int threads,
+                                         const std::vector<SlideResult>& constant);
+
 /// nullopt where mu1 is not fitted to at least two slides that determine it.
 std::optional<BetweenSlides> compare_slides(const Problem& problem, const std::vector<SlideResult>& slides);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -14,6 +15,15 @@ double chi2_survival(double x, double dof) {
   // Chernoff: all but exp(-0.318 dof) of the distribution lies above, where Boost 1.74 overflows.
   if (dof > 150 && x < dof / 4) return 1;
   return boost::math::cdf(boost::math::complement(boost::math::chi_squared(dof), x));
+}
+
+double chi2_survival(double x, double dof, double noise_dof) {
+  constexpr double kAsGoodAsKnown = 1e6, kFewest = 4;
+  if (!(dof > 0) || !(noise_dof < kAsGoodAsKnown) || !std::isfinite(x) || x <= 0)
+    return chi2_survival(x, dof);
+  noise_dof = std::max(noise_dof, kFewest);
+  return boost::math::cdf(
+      boost::math::complement(boost::math::fisher_f(dof, noise_dof), x / dof * noise_dof / (noise_dof - 2)));
 }
 
 double chi2_quantile(double probability, double dof) {

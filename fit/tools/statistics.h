@@ -9,6 +9,10 @@ namespace tribotrack::fit::internal {
 /// P(chi^2 with `dof` degrees of freedom > x); 1 for dof <= 0.
 double chi2_survival(double x, double dof);
 
+/// P(F with `dof` and `noise_dof` degrees of freedom, over its mean > x / dof): of chi^2 = x whose variances
+/// were estimated with so many; chi2_survival(x, dof) where they are infinitely many.
+double chi2_survival(double x, double dof, double noise_dof);
+
 /// x with P(chi^2 with `dof` degrees of freedom < x) = `probability`.
 double chi2_quantile(double probability, double dof);
 

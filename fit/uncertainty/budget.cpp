@@ -363,7 +363,7 @@ std::string improve_first(const std::vector<BudgetEntry>& budget,
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const double share = std::pow(largest.contribution(static_cast<Eigen::Index>(i)) / parameters[i].sd, 2);
     if (share < 0.01) continue;
-    shares += fmt::format("{}{} % of {}{}", shares.empty() ? "" : ", ", number(100 * std::min(1.0, share), 2),
+    shares += fmt::format("{}{:.0f} % of {}{}", shares.empty() ? "" : ", ", 100 * std::min(1.0, share),
                           shares.empty() ? "the variance of " : "", to_string(parameters[i].parameter));
   }
   return fmt::format("Improve first: {} ({}): {}.", largest.source, shares, advice(largest));

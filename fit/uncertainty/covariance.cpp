@@ -166,7 +166,7 @@ class Draw {
     const Unknowns& unknowns = residuals_.unknowns();
     for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i)
       if (const NuisanceBlock* deviation = unknowns.find(Nuisance::deviation, i))
-        values(deviation->first) = std::max(problem_.between_slides * normal_(random_),
+        values(deviation->first) = std::max(deviation->scale(0) * normal_(random_),
                                             -0.9 * unknowns.value_of(FitParameter::mu1, values));
   }
 

@@ -49,8 +49,9 @@ class OneSide {
  public:
   /// `level`: chi^2 at the border; `inside` lies below it.
   OneSide(const Residuals& residuals, const Minimum& inside, Eigen::Index parameter, double lowest,
-          double level)
+          double level, bool settled)
       : residuals_(residuals),
+        settled_(settled),
         inside_(inside),
         index_(parameter),
         axis_(residuals.unknowns().transform(parameter)),
@@ -73,6 +74,17 @@ class OneSide {
 
   /// z where the profile crosses; nullopt when it does not before `limit`.
   std::optional<double> cross(double limit) {
+    const std::optional<double> end = linear_cross(limit);
+    if (!end || better || !residuals_.linear_in_conditions()) return end;
+    return corrected(*end, limit);
+  }
+
+  std::optional<Minimum> better;
+  std::vector<ProfilePoint> points;  ///< by the parameter's value
+
+ private:
+  /// Of the problem that is linear in the conditions.
+  std::optional<double> linear_cross(double limit) {
     const double direction = limit > inside_.z(index_) ? 1 : -1;
     const double target = std::sqrt(level_ - lowest_), end = place(limit);
     Point inside{inside_.z, height(inside_.chi2)};
@@ -95,6 +107,7 @@ class OneSide {
         if (outside || step < 1e-3 * sd_) return std::nullopt;
         continue;
       }
+      last_ = point->z;
       if (std::abs(point->height) < 0.004 * target) return point->z(index_);
       if (point->height < 0) {
         if (next == end) return std::nullopt;
@@ -113,10 +126,39 @@ class OneSide {
                    : std::nullopt;
   }
 
-  std::optional<Minimum> better;
-  std::vector<ProfilePoint> points;  ///< by the parameter's value
+  /// Of the full model the root of the rise at a place, all others at their best, were it linear from there.
+  std::optional<double> full_height(double here) const {
+    Residuals full = residuals_;
+    Eigen::VectorXd z = last_ + along_ * (here - place(last_(index_)));
+    z(index_) = from_place(here);
+    const Eigen::VectorXd values = full.unknowns().values(z);
+    const auto at = full.linearise(values) ? full.at(values) : std::nullopt;
+    if (!at) return std::nullopt;
+    return height(at->chi2() - newton_decrement(*at, index_));
+  }
 
- private:
+  /// The end of a problem that is linear in the conditions, moved by secants to that of the full model where
+  /// it is not there, as near the threshold of sliding. Kinks of chi^2 then hide valleys from a profile: the
+  /// end is no nearer than the covariance has it.
+  double corrected(double end, double limit) const {
+    constexpr int kMost = 3;
+    constexpr double kOff = 0.1;  ///< of the height
+    const double target = std::sqrt(level_ - lowest_), first = place(inside_.z(index_)),
+                 border = place(limit);
+    const double direction = border > first ? 1 : -1;
+    double way = direction * (place(end) - first);
+    bool moved = false;
+    for (int k = 0; k < kMost; ++k) {
+      const auto off = full_height(first + direction * way);
+      if (!off || std::abs(*off) < kOff * target) break;
+      way *= std::clamp(target / std::max(target + *off, 0.01 * target), 0.5, 2.0);
+      moved = true;
+    }
+    if (!moved) return end;
+    way = std::min(std::max(way, target * sd_), direction * (border - first));
+    return from_place(first + direction * way);
+  }
+
   struct Point {
     Eigen::VectorXd z;
     double height;  ///< root of the rise of chi^2, less the border's
@@ -139,18 +181,19 @@ class OneSide {
     if (!std::isfinite(held.chi2)) return std::nullopt;
     // Beyond mu2 = mu1 pulses would raise friction: no part of the model.
     if (!admissible(unknowns, held.z)) return Point{held.z, std::sqrt(level_ - lowest_)};
-    if (held.chi2 < lowest_ - kLower) better = held;
+    if (held.chi2 < lowest_ - kLower && !settled_) better = held;
     points.push_back({axis_.value(held.z(index_)), std::max(0.0, held.chi2 - lowest_)});
     return Point{held.z, height(held.chi2)};
   }
 
   const Residuals& residuals_;
+  bool settled_;  ///< what lies below the minimum is none of the full model
   const Minimum& inside_;
   Eigen::Index index_;
   const Transform& axis_;
   bool by_value_;
   double lowest_, level_, sd_ = 1;
-  Eigen::VectorXd along_;
+  Eigen::VectorXd along_, last_;  ///< last_: the point looked at last
 };
 
 /// Pieces less apart than this share of all of them are one: ends are known no better.
@@ -208,8 +251,9 @@ class Pieces {
 class ParameterProfile {
  public:
   ParameterProfile(const Residuals& residuals, const std::vector<Minimum>& minima, Eigen::Index parameter,
-                   double rise)
+                   double rise, bool settled)
       : residuals_(residuals),
+        settled_(settled),
         unknowns_(residuals.unknowns()),
         best_(minima.front()),
         index_(parameter),
@@ -249,7 +293,7 @@ class ParameterProfile {
       if (!promises(here->z, rise)) continue;
       const Minimum held = minimise(residuals_, here->z, held_at(index_));
       if (!(held.chi2 < level_) || !admissible(unknowns_, held.z)) continue;
-      if (held.chi2 < best_.chi2 - kLower) {
+      if (held.chi2 < best_.chi2 - kLower && !settled_) {
         better = held;
         return;
       }
@@ -285,7 +329,7 @@ class ParameterProfile {
     if (better) return;
     // On a circle the limits move with the start.
     const double by = turn() > 0 ? from.z(index_) - best_.z(index_) : 0;
-    OneSide side(residuals_, from, index_, best_.chi2, level_);
+    OneSide side(residuals_, from, index_, best_.chi2, level_, settled_);
     const auto low = side.cross(limits_.low + by);
     const auto high = side.better ? std::nullopt : side.cross(limits_.high + by);
     better = side.better;
@@ -304,6 +348,7 @@ class ParameterProfile {
   static constexpr std::size_t kClasses = 40;
   static constexpr double kFar = 5;  ///< rises: a linear forecast from a point of the sample is no better
   const Residuals& residuals_;
+  bool settled_;
   const Unknowns& unknowns_;
   const Minimum& best_;
   Eigen::Index index_;
@@ -321,8 +366,8 @@ Profile open_profile() {
 }
 
 Profile profile(const Residuals& residuals, const std::vector<Minimum>& minima,
-                const std::vector<ScreenedPoint>& sample, Eigen::Index parameter, double rise) {
-  ParameterProfile profile(residuals, minima, parameter, rise);
+                const std::vector<ScreenedPoint>& sample, Eigen::Index parameter, double rise, bool settled) {
+  ParameterProfile profile(residuals, minima, parameter, rise, settled);
   profile.look_between(sample);
   return profile.result();
 }
@@ -333,20 +378,24 @@ std::vector<Profile> profiles(const Residuals& residuals, std::vector<Minimum>& 
   const auto n = static_cast<std::size_t>(residuals.unknowns().reported());
   Residuals rough = residuals;
   rough.set_tolerance(residuals.tolerance_for(0.01, 1e-6));
+  bool settled = false;
   for (int restart = 0;; ++restart) {
     std::vector<Profile> found(n, open_profile());
     parallel_for(n, threads, [&](std::size_t i) {
-      if (!open[i]) found[i] = profile(rough, minima, sample, static_cast<Eigen::Index>(i), rises[i]);
+      if (!open[i])
+        found[i] = profile(rough, minima, sample, static_cast<Eigen::Index>(i), rises[i], settled);
     });
     const Profile* better = nullptr;
     for (const Profile& one : found)
       if (one.better && (!better || one.better->chi2 < better->better->chi2)) better = &one;
-    if (!better || restart == 3) {
-      for (Profile& one : found)
-        if (one.pieces.empty()) one.pieces = open_profile().pieces;
-      return found;
-    }
-    minima.insert(minima.begin(), linearised(residuals, minimise(residuals, better->better->z)));
+    if (!better) return found;
+    Residuals there = residuals;
+    Minimum lower = linearised(there, minimise_linearised(there, better->better->z));
+    settled = restart == 3 || !(lower.chi2 < minima.front().chi2);
+    if (settled) continue;
+    minima.insert(minima.begin(), std::move(lower));
+    there.set_tolerance(residuals.tolerance_for(0.01, 1e-6));
+    rough = std::move(there);
   }
 }
 

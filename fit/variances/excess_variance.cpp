@@ -66,7 +66,8 @@ Eigen::Matrix2d turn_of(const SummaryRun& run) {
   return turn;
 }
 
-void between_runs(const Problem& problem, const Deviations& runs, double expected, ExcessVariance& result) {
+void between_runs(const std::vector<const SummaryRun*>& fitted, const Deviations& runs, double expected,
+                  ExcessVariance& result) {
   const double both = runs.scatter(expected, result.runs() > 0, kDoubt);
   result.along = result.across = both;
   if (!(both > 0)) return;
@@ -74,7 +75,7 @@ void between_runs(const Problem& problem, const Deviations& runs, double expecte
   double whole[2], trimmed[2];
   for (int axis = 0; axis < 2; ++axis) {
     for (std::size_t i = 0; i < runs.differences.size(); ++i) {
-      const Eigen::Matrix2d turn = turn_of(problem.summary_runs[i]);
+      const Eigen::Matrix2d turn = turn_of(*fitted[i]);
       const double variance = (turn * runs.covariances[i] * turn.transpose())(axis, axis);
       parts[axis].add({(turn * runs.differences[i])(axis), 0}, variance * Eigen::Matrix2d::Identity());
     }
@@ -135,11 +136,11 @@ Replicates replicates(const Problem& problem) {
   Deviations deviations;
   Replicates result;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (counted[i]) continue;
+    if (counted[i] || runs[i].held_out) continue;
     std::vector<std::size_t> group;
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     for (std::size_t k = i; k < runs.size(); ++k)
-      if (!counted[k] && repeats(runs[i], runs[k])) {
+      if (!counted[k] && !runs[k].held_out && repeats(runs[i], runs[k])) {
         counted[k] = true;
         group.push_back(k);
         mean += runs[k].measured.vector;
@@ -165,18 +166,22 @@ ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen:
   const bool robust = loss != Loss::squares;
   ExcessVariance result = residuals.excess_variance();
   Deviations runs;
+  std::vector<const SummaryRun*> fitted;
   for (std::size_t i = 0; i < problem.summary_runs.size(); ++i)
-    runs.add(residuals.difference(at, i), problem.summary_runs[i].measured.covariance);
+    if (const SummaryRun& run = problem.summary_runs[i]; !run.held_out) {
+      fitted.push_back(&run);
+      runs.add(residuals.difference(at, i), run.measured.covariance);
+    }
   // The unknowns take their share of the freedom from runs and points in proportion.
-  const double data = 2.0 * static_cast<double>(problem.summary_runs.size()),
+  const double data = 2.0 * static_cast<double>(fitted.size()),
                unknowns = static_cast<double>(residuals.unknowns().size());
   double points = 0;
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
     points +=
         2.0 * static_cast<double>(residuals.track(i).points()) / result.trajectories[i].correlation_time;
   if (!robust)
-    between_runs(problem, runs, data * std::max(0.0, 1 - unknowns / (data + points)), result);
-  else if (problem.summary_runs.size() >= 3)
+    between_runs(fitted, runs, data * std::max(0.0, 1 - unknowns / (data + points)), result);
+  else if (fitted.size() >= 3)
     result.along = result.across = runs.scatter_by_median(kMedianSquare * std::max(0.2, 1 - unknowns / data));
 
   const Eigen::VectorXd common = residuals.common_error(values);

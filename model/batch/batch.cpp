@@ -22,6 +22,7 @@ namespace {
 BatchEnd scalar_solution(const Scenario& scenario, const BatchOptions& asked, const EndRun*) {
   IntegrationOptions options;
   options.dense = false;
+  options.max_steps = asked.max_steps;
   if (asked.tolerance > kLaneTolerance) options.tolerance = asked.tolerance;
   const Trajectory trajectory = integrate(scenario, options);
   return end_at(trajectory.end().position, trajectory.end_time());

@@ -36,7 +36,8 @@ auto parameters_of(Scenario_& s) {
                     Named{"velocity_y_m_s", &s.initial_velocity.y()},
                     Named{"start_phase_rad", &s.start_phase},
                     Named{"spin_rad_s", &s.spin.rate},
-                    Named{"inertia", &s.spin.inertia}};
+                    Named{"inertia", &s.spin.inertia},
+                    Named{"viscous_1_s", &s.viscous}};
 }
 
 template <class Scenario_>
@@ -92,11 +93,14 @@ void Scenario::validate() const {
           static_cast<double>(start), "rest, circling or steady");
   require(std::isfinite(spin.radius) && spin.radius >= 0, "radius", spin.radius, ">= 0 and finite (m)");
   require(std::isfinite(spin.inertia) && spin.inertia > 0, "inertia", spin.inertia, "> 0 and finite");
+  const bool slides = drive.amplitude == 0 && drive.amplitude_y == 0 && start == Start::rest &&
+                      friction.pulse_width * (friction.nominal - friction.reduced) == 0;
+  require(viscous == 0 || slides, "viscous_1_s", viscous,
+          "0 on a moving platform or with pulses: it is part of free slides only");
   if (spin.rate == 0) return;
   require(spin.radius > 0, "radius", spin.radius, "> 0 for a part that spins (m)");
-  require(drive.amplitude == 0 && drive.amplitude_y == 0 && start == Start::rest &&
-              friction.pulse_width * (friction.nominal - friction.reduced) == 0,
-          "spin_rad_s", spin.rate, "0 on a moving platform or with pulses: spin is part of free slides only");
+  require(slides, "spin_rad_s", spin.rate,
+          "0 on a moving platform or with pulses: spin is part of free slides only");
 }
 
 Eigen::Vector2d Drive::acceleration(double wt) const {

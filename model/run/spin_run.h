@@ -1,4 +1,5 @@
-// A solved run of a disc that slides and spins on the resting platform, behind Trajectory.
+// A solved run of a part that slides on the resting platform, spins or feels viscous friction, behind
+// Trajectory.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,7 +39,7 @@ class SpinRun final : public Trajectory::Implementation {
         const auto d = static_cast<std::size_t>(j);
         result.position_jacobian.col(j) << state.of[State::x].d[d], state.of[State::y].d[d];
         result.velocity_jacobian.col(j) << state.of[State::ux].d[d], state.of[State::uy].d[d];
-        result.angle_jacobian(j) = state.of[State::rim].d[d] / scenario.spin.radius;
+        result.angle_jacobian(j) = state.of[State::rim].d[d] * per_radius();
       }
     return result;
   }
@@ -65,13 +66,15 @@ class SpinRun final : public Trajectory::Implementation {
  private:
   using State = SpinState<T>;
 
+  double per_radius() const { return scenario.spin.radius > 0 ? 1 / scenario.spin.radius : 0; }
   T seed(Parameter parameter) const { return seeded<T>(scenario, parameter, options.derivatives); }
   SpinEquation<T> equation() const {
     using std::sin;
     const T g = seed(Parameter::gravity);
     return {seed(Parameter::mu1) * g,
             {g * sin(seed(Parameter::tilt_x)), g * sin(seed(Parameter::tilt_y))},
-            seed(Parameter::inertia)};
+            seed(Parameter::inertia),
+            seed(Parameter::viscous)};
   }
   State start() const {
     State state;
@@ -85,8 +88,8 @@ class SpinRun final : public Trajectory::Implementation {
     sample.time = time;
     sample.position = {value(state.of[State::x]), value(state.of[State::y])};
     sample.velocity = {value(state.of[State::ux]), value(state.of[State::uy])};
-    sample.angle = value(state.of[State::rim]) / scenario.spin.radius;
-    sample.spin = value(state.of[State::w]) / scenario.spin.radius;
+    sample.angle = value(state.of[State::rim]) * per_radius();
+    sample.spin = value(state.of[State::w]) * per_radius();
     sample.mu = scenario.friction.nominal;
     sample.state = state.speed() > 0 ? model::State::slip : model::State::stick;
     return sample;

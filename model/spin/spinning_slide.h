@@ -1,10 +1,11 @@
 // A disc that slides and spins on the resting platform, from its start to its stop.
 //
-//   u' = d - mu g drag u,   w' = -(mu g/k) brake w,   theta' = w/R
-// with w = omega R, k = I/(m R^2) (1/2 for an even disc), d the in-plane gravity of a tilt, and drag, brake
-// of disc_friction.h. Sliding and spinning end together (with k = 1/2 and no tilt at u/w = 0.653), and on the
-// way there the velocities fall in a straight line: steps in proportion to the speed left meet the stop as a
-// geometric series. Steps are Dormand and Prince's fifth order (J. Comput. Appl. Math. 6, 19, 1980).
+//   u' = d - (mu g drag + c) u,   w' = -(mu g brake + c/2) w/k,   theta' = w/R
+// with w = omega R, k = I/(m R^2) (1/2 for an even disc), d the in-plane gravity of a tilt, c the viscous
+// part of friction (its moment over an even face is half of its force's), and drag, brake of disc_friction.h.
+// Sliding and spinning end together (with k = 1/2 and no tilt at u/w = 0.653), and on the way there the
+// velocities fall in a straight line: steps in proportion to the speed left meet the stop as a geometric
+// series. Steps are Dormand and Prince's fifth order (J. Comput. Appl. Math. 6, 19, 1980).
 #pragma once
 
 #include <algorithm>
@@ -29,17 +30,21 @@ struct SpinEquation {
   T mu_g;
   Pair<T> tilt;    ///< d, m/s^2
   T inertia{0.5};  ///< k
+  T viscous{0.0};  ///< c
 
   SpinState<T> slope(const SpinState<T>& s) const {
     using S = SpinState<T>;
     const T &ux = s.of[S::ux], &uy = s.of[S::uy], &w = s.of[S::w];
     const Braking<T> by = braking<T>(ux * ux + uy * uy, w * w);
-    const T drag = mu_g * by.drag;
-    return {{ux, uy, tilt.x - drag * ux, tilt.y - drag * uy, -1.0 * (mu_g * by.brake * w / inertia), w}};
+    const T drag = mu_g * by.drag + viscous;
+    const T brake = mu_g * by.brake + 0.5 * viscous;
+    return {{ux, uy, tilt.x - drag * ux, tilt.y - drag * uy, -1.0 * (brake * w / inertia), w}};
   }
   double tilt_size() const { return length(tilt); }
-  /// The velocities change no faster than this, m/s^2.
-  double fastest() const { return value(mu_g) / std::sqrt(value(inertia)) + tilt_size(); }
+  /// The velocities change no faster than this at a speed, m/s^2.
+  double fastest(double speed) const {
+    return (value(mu_g) + std::abs(value(viscous)) * speed) / std::sqrt(value(inertia)) + tilt_size();
+  }
   bool stops() const { return value(mu_g) > tilt_size(); }
 };
 
@@ -64,7 +69,7 @@ class SpinningSlide {
           break;
         }
       }
-      const double longest = kShare * speed / equation_.fastest();
+      const double longest = kShare * speed / equation_.fastest(speed);
       double step = std::min({try_next, longest, end_time - time});
       Attempt attempt = advance(state, step);
       while (attempt.error > tolerance_ * speed && step > 1e-12 * longest) {

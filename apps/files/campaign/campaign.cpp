@@ -89,6 +89,22 @@ void require_all_parameters(const Campaign& campaign, StrictTable& top) {
     demand("phase_lag_rad (or delay_s)");
 }
 
+/// Runs that are kept out are driven ones of this campaign, and not all of them.
+void check_hold_out(const Campaign& campaign, StrictTable& top) {
+  const std::vector<std::string>& names = campaign.fit.hold_out;
+  if (names.empty()) return;
+  const auto fail = [&](const std::string& what) { top.table("fit")->fail("hold_out", what); };
+  for (const std::string& name : names) {
+    const auto run = std::ranges::find(campaign.runs, name, &CampaignRun::name);
+    if (run == campaign.runs.end()) fail(fmt::format("names \"{}\", which is no run of this campaign", name));
+    if (run->free_slide)
+      fail(fmt::format("names \"{}\", a free slide; only driven runs are predicted", name));
+  }
+  if (std::ranges::all_of(campaign.runs,
+                          [&](const CampaignRun& run) { return std::ranges::count(names, run.name) > 0; }))
+    fail("names every run; leave some to fit to");
+}
+
 /// Gravity at the ground lies between 9.76 (Huascaran) and 9.84 (the poles).
 void note_gravity(Campaign& campaign) {
   const double g = campaign.platform.gravity;
@@ -136,6 +152,7 @@ Campaign campaign_in(StrictTable top, const fs::path& file, const Input& input, 
         file.string()));
   require_all_parameters(campaign, top);
   name_runs(campaign.runs);
+  check_hold_out(campaign, top);
   check_parts(campaign);
   for (const Campaign& part : campaigns_by_part(campaign))
     for (const CampaignRun& run : part.runs) require_scale(part, run);

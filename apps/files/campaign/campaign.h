@@ -48,6 +48,7 @@ struct FitSection {
   std::map<fit::FitParameter, double> fixed, guess;
   std::map<fit::FitParameter, fit::Prior> prior;
   Exact exact;
+  std::vector<std::string> hold_out;  ///< names of runs
 };
 
 /// One [[run]], or a point of a table, defaults of the campaign filled in.

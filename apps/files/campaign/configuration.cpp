@@ -62,6 +62,7 @@ Json fit_configuration(const FitSection& fit) {
     for (const auto& [parameter, value] : *values) json[name][fit::to_string(parameter)] = value;
   }
   if (fit.exact.all || !fit.exact.keys.empty()) json["exact"] = written_exact(fit);
+  if (!fit.hold_out.empty()) json["hold_out"] = fit.hold_out;
   json["prior"] = Json::object();
   for (const auto& [parameter, prior] : fit.prior)
     json["prior"][fit::to_string(parameter)] = {{"mean", prior.mean}, {"sd", prior.sd}};

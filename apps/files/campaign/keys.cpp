@@ -180,6 +180,8 @@ const Keys<FitSection>& fit_keys() {
        "what is known without an error although it has no sd (frequency_hz, tilt_x_rad, start_phase_rad, "
        "friction_law, ...); "
        "true: everything, also what is not given"},
+      {"hold_out", Kind::texts, Own<F>{read_hold_out, written_hold_out}, "[\"run name\"]",
+       "driven runs that are not fitted, but predicted by the fit"},
       {"start", Kind::one_of(kStarts), at<&F::start>, "\"rest\"",
        "how runs start at their first analysed frame: rest, circling or steady"},
       {"cycles", Kind::wholes(1, 1'000'000), at<&F::cycles>, "20",

@@ -294,6 +294,14 @@ Json written_parameters(const FitSection& fit) {
   return names;
 }
 
+void read_hold_out(StrictTable& table, FitSection& fit, const fs::path&) {
+  if (auto names = table.texts("hold_out")) fit.hold_out = std::move(*names);
+}
+
+Json written_hold_out(const FitSection& fit) {
+  return fit.hold_out;
+}
+
 bool Exact::holds(std::string_view key) const {
   return all || std::ranges::count(keys, key) > 0;
 }

@@ -25,6 +25,8 @@ void read_parameters(StrictTable& table, FitSection& fit, const std::filesystem:
 Json written_parameters(const FitSection& fit);
 void read_exact(StrictTable& table, FitSection& fit, const std::filesystem::path& folder);
 Json written_exact(const FitSection& fit);
+void read_hold_out(StrictTable& table, FitSection& fit, const std::filesystem::path& folder);
+Json written_hold_out(const FitSection& fit);
 void read_frames(StrictTable& table, CampaignRun& run, const std::filesystem::path& folder);
 Json written_frames(const CampaignRun& run);
 /// A trace, or two of an oscilloscope that writes a file for each channel.

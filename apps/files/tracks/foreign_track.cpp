@@ -171,6 +171,7 @@ bool y_points_up(const CsvTable& table, const TrackColumns& columns, const Scale
 struct Noise {
   std::vector<Eigen::Vector2d> sd;
   Eigen::Vector2d estimate = Eigen::Vector2d::Zero();
+  double dof = 0;  ///< fit::PointNoise::dof
   bool estimated = false;
 };
 
@@ -196,7 +197,8 @@ Noise noise_of(const CsvTable& table, const PointSamples& samples, const std::ve
                     table.path().string(), positions.size()));
   noise.estimated = true;
   // Rounding is the least error there is.
-  noise.estimate = estimate->cwiseMax(kUniform * samples.step);
+  noise.estimate = estimate->sd.cwiseMax(kUniform * samples.step);
+  noise.dof = estimate->dof;
   noise.sd.assign(samples.at.size(), noise.estimate);
   return noise;
 }
@@ -360,6 +362,7 @@ ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string t
                      {"lost", lost},
                      {"gate_passed", true},
                      {"sd_from_scatter", part.estimated},
+                     {"sd_dof", part.dof},
                      {"warnings", warnings}};
   return track;
 }

@@ -57,7 +57,7 @@ std::string agreement_text(const fit::FitResult& fit) {
   if (fit.dof < 1) return "";
   return fmt::format(
       "χ² per degree of freedom is {}; {} is expected if the model and the stated errors are right.",
-      number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof));
+      number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof, fit.noise_dof));
 }
 
 std::string with_symbols(const std::vector<std::string>& reasons) {
@@ -68,8 +68,8 @@ std::string with_symbols(const std::vector<std::string>& reasons) {
 
 }  // namespace
 
-std::string expected_chi2_text(int dof) {
-  const fit::Interval expected = fit::expected_reduced_chi2(dof);
+std::string expected_chi2_text(int dof, double noise_dof) {
+  const fit::Interval expected = fit::expected_reduced_chi2(dof, noise_dof);
   return interval_text(expected.low, expected.high, 0.3 * (expected.high - expected.low));
 }
 

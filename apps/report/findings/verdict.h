@@ -29,7 +29,7 @@ Verdict verdict_of(const ReportData& data);
 
 /// Where chi-squared per degree of freedom lies with probability 0.99 under the model
 /// (fit::expected_reduced_chi2), as "0.42 to 1.88", rounded to its width.
-std::string expected_chi2_text(int dof);
+std::string expected_chi2_text(int dof, double noise_dof = std::numeric_limits<double>::infinity());
 
 // The sentence of methods that a paper needs, and what to cite, as plain text.
 

@@ -178,8 +178,6 @@ std::string report_text(const ReportData& data) {
 
 namespace {
 
-constexpr double runs_test_rejects = 0.01;  // p below which neighbouring residuals are called correlated
-constexpr long runs_test_needs = 8;         // runs, to be able to reject anything
 constexpr double fit_rejects =
     0.001;  // p of chi-square below which the data contradict the model (fit/fit_result.h)
 
@@ -202,7 +200,7 @@ std::string goodness(const fit::FitResult& fit) {
     html += fmt::format(
         ": {} per degree of freedom, where {} is expected (probability 0.99) if the model and the stated "
         "errors are right",
-        number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof));
+        number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof, fit.noise_dof));
   }
   html += fit.dof > 0 ? "." : ": as many data as unknowns, so that nothing checks the model.";
   if (fit.scatter > 0)
@@ -218,26 +216,6 @@ std::string goodness(const fit::FitResult& fit) {
         fit.scatter > 0 ? "without the scatter estimated from the residuals, " : "", how_often(fit.p_value),
         number(fit_rejects, 1), fit.p_value < fit_rejects ? ": they do" : ": they do not");
   return html;
-}
-
-long used_runs(const ReportData& data) {
-  return std::ranges::count_if(
-      data.runs, [](const ReportRun& run) { return run.failure.empty() && !run.fitted.residuals.empty(); });
-}
-
-std::string runs_test(const ReportData& data) {
-  const double p = data.fit.runs_test_p_value;
-  if (!std::isfinite(p)) return "";
-  const char* result =
-      p < runs_test_rejects
-          ? "residuals of neighbouring runs have the same sign more often than by chance, which points to "
-            "a wrong model rather than to scatter."
-      : p < 1 ? "no sign that residuals of neighbouring runs go together, as they would under a wrong model."
-      : used_runs(data) < runs_test_needs ? "with fewer than eight runs the test decides nothing."
-                                          : "residuals of neighbouring runs change sign as often as by "
-                                            "chance or more often: no sign of a wrong model.";
-  return fmt::format("<p><b>Runs test: p = {}</b> (threshold {}): {}</p>\n", number(p, 2),
-                     number(runs_test_rejects, 1), result);
 }
 
 std::string phi_or_dash(double phi) {
@@ -279,6 +257,29 @@ std::string outlying_points(const ReportData& data) {
   return "<h3>Points that contradict their run</h3>\n<p>They lie beyond 6 σ of the run’s other points; the "
          "warnings name their frames.</p>\n<ul>" +
          items + "</ul>\n";
+}
+
+/// Runs that were kept out of the fit, predicted and measured.
+std::string prediction_table(const ReportData& data) {
+  std::string rows;
+  for (const ReportRun& run : data.runs) {
+    if (!run.fitted.prediction) continue;
+    rows += "<tr>" + cell("<b>" + escape_html(run.name) + "</b>");
+    for (const char* observable : {"alpha_rad", "v_mm_s"}) {
+      const double sd = run.residual(observable, &fit::Residual::sd);
+      rows += number_cell(quoted_value(run.residual(observable, &fit::Residual::measured), sd)) +
+              number_cell(rounded(run.modelled(observable), sd));
+    }
+    rows += number_cell(chance(run.fitted.prediction->p_value)) + "</tr>";
+  }
+  if (rows.empty()) return "";
+  return "<h3>Runs kept out of the fit</h3>\n<p>What the fit to the others predicts of them, against what "
+         "was "
+         "measured; in parentheses the standard deviation of both together.</p>\n<div class=\"wide\"><table "
+         "id=\"predictions\" class=\"compact\"><thead><tr><th>Run</th><th class=\"n\">α, rad</th><th "
+         "class=\"n\">predicted</th><th class=\"n\">v, mm/s</th><th class=\"n\">predicted</th><th "
+         "class=\"n\">probability</th></tr></thead><tbody>" +
+         rows + "</tbody></table></div>\n";
 }
 
 /// "0.0995(10)" of a parameter under an explanation.
@@ -334,8 +335,8 @@ std::string not_needed(const fit::FitResult& fit) {
 PageSection check_section(const ReportData& data, const std::vector<Figure>& figures) {
   PageSection section{"check", "Does the model describe the data?", ""};
   if (!data.fitted()) return section;
-  section.html = goodness(data.fit) + runs_test(data) + figure_box(figures, "residuals") +
-                 outlier_table(data) + outlying_points(data) + explanation_table(data.fit) +
+  section.html = goodness(data.fit) + figure_box(figures, "residuals") + outlier_table(data) +
+                 prediction_table(data) + outlying_points(data) + explanation_table(data.fit) +
                  not_needed(data.fit);
   return section;
 }

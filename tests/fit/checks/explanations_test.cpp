@@ -108,6 +108,26 @@ TEST(Explanations, FrictionThatDiffersFromRunToRunIsFoundAndCounted) {
   EXPECT_TRUE(holds(result, FitParameter::mu1, 0.1));
 }
 
+TEST(HeldOut, RunsArePredictedByTheFitToTheOthers) {
+  for (const int bad : {-1, 3}) {
+    std::mt19937 random(12);
+    Problem problem = campaign({.bad_run = bad}, kAlphaSd, kSpeedSd, random), without = problem;
+    problem.summary_runs[3].held_out = true;
+    without.summary_runs.erase(without.summary_runs.begin() + 3);
+    const FitResult result = estimate(problem, quick()), fewer = estimate(without, quick());
+    EXPECT_EQ(result.dof, fewer.dof);
+    EXPECT_NEAR(result.value(FitParameter::mu1), fewer.value(FitParameter::mu1),
+                1e-3 * fewer.parameters[0].sd);
+    ASSERT_TRUE(result.runs[3].prediction);
+    EXPECT_FALSE(result.runs[4].prediction);
+    EXPECT_EQ(result.runs[3].prediction->p_value < 1e-6, bad == 3) << result.runs[3].prediction->p_value;
+    // The fit's own error is part of it.
+    EXPECT_GT(result.runs[3].residuals[0].sd,
+              1e3 * std::sqrt(problem.summary_runs[3].measured.covariance(0, 0)));
+    EXPECT_EQ(result.verdict, Use::use) << result.full_report();
+  }
+}
+
 TEST(Explanations, TwoCausesTogetherAreNotPassedOver) {
   const FitResult result = fitted({.tilt_x = 1e-3, .stribeck = 0.2}, 11);
   EXPECT_NE(result.verdict, Use::use);

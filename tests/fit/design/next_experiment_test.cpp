@@ -61,6 +61,22 @@ model::Scenario advised(const NextExperiment& next) {
   return scenario;
 }
 
+// A search that is late forecasts nothing more.
+TEST(NextExperiment, IsBounded) {
+  Problem problem = sweep_of_phi();
+  problem.conditions = {{FitParameter::tilt_x, 1e-3, "level"}};  // one by one, not in lanes
+  const internal::Unknowns unknowns(problem);
+  const internal::Residuals residuals(unknowns);
+  const Eigen::VectorXd values = unknowns.first_guess();
+  const internal::Forecaster forecaster(residuals, values);
+  const std::vector<internal::Candidate> candidates = {forecaster.drive_so_far()};
+  internal::Stage late(quick(true), "", 0, internal::Stage::Seconds(0)), early(quick(true), "");
+  EXPECT_TRUE(late.late());
+  EXPECT_FALSE(early.late());
+  EXPECT_FALSE(forecaster.forecasts(candidates, 1e-3, 1, late).front());
+  EXPECT_TRUE(forecaster.forecasts(candidates, 1e-3, 1, early).front());
+}
+
 /// Forecasts from differences of runs in lanes are those of exact derivatives, whatever is fitted.
 TEST(NextExperiment, ForecastsTogetherAreThoseOneByOne) {
   for (const bool drive : {false, true}) {

@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "fit/estimate.h"
 #include "fit/measurement.h"
 
 namespace tribotrack::fit {
@@ -36,8 +37,8 @@ TEST(PointNoise, IsTheScatterOfEachCoordinate) {
     const Film f = film(rate, 1000, 0.003, 0.006, 5);
     const auto noise = point_noise(f.frames, f.positions);
     ASSERT_TRUE(noise) << rate;
-    EXPECT_NEAR(noise->x() / 0.003, 1, 0.12) << rate;
-    EXPECT_NEAR(noise->y() / 0.006, 1, 0.12) << rate;
+    EXPECT_NEAR(noise->sd.x() / 0.003, 1, 0.12) << rate;
+    EXPECT_NEAR(noise->sd.y() / 0.006, 1, 0.12) << rate;
   }
 }
 
@@ -45,8 +46,8 @@ TEST(PointNoise, WithFewFramesToATurnItIsTooLargeRatherThanTooSmall) {
   const Film f = film(100, 1000, 0.003, 0.006, 5);
   const auto noise = point_noise(f.frames, f.positions);
   ASSERT_TRUE(noise);
-  EXPECT_GT(noise->x() / 0.003, 0.88);
-  EXPECT_LT(noise->x() / 0.003, 2);
+  EXPECT_GT(noise->sd.x() / 0.003, 0.88);
+  EXPECT_LT(noise->sd.x() / 0.003, 2);
 }
 
 TEST(PointNoise, LostFramesAndEverySecondFrameDoNotMatter) {
@@ -59,7 +60,70 @@ TEST(PointNoise, LostFramesAndEverySecondFrameDoNotMatter) {
   }
   const auto noise = point_noise(kept.frames, kept.positions);
   ASSERT_TRUE(noise);
-  EXPECT_NEAR(noise->x() / 0.004, 1, 0.12);
+  EXPECT_NEAR(noise->sd.x() / 0.004, 1, 0.12);
+}
+
+/// A slide along x, `colour` the correlation of its errors from frame to frame.
+TrajectoryRun slide(std::size_t count, double sd, double colour, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  TrajectoryRun run;
+  run.free_slide = true;
+  run.scenario.drive.amplitude = run.scenario.drive.amplitude_y = 0;
+  Eigen::Vector2d error = Eigen::Vector2d::Zero();
+  const double end = 0.3, speed = 0.6;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double t = end * static_cast<double>(k) / static_cast<double>(count);
+    const double fresh = k == 0 ? 1 : std::sqrt(1 - colour * colour);
+    error = colour * error + fresh * sd * Eigen::Vector2d(normal(random), normal(random));
+    run.track.frame.push_back(static_cast<std::int64_t>(k));
+    run.track.time.push_back(t);
+    run.track.position.emplace_back(Eigen::Vector2d(speed * t - 0.5 * speed / end * t * t, 0) + error);
+  }
+  const auto noise = point_noise(run.track.frame, run.track.position);
+  run.track.noise_dof = noise->dof;
+  run.track.covariance.assign(count, noise->sd.cwiseAbs2().asDiagonal());
+  return run;
+}
+
+double p_of(std::vector<TrajectoryRun> slides) {
+  Problem problem;
+  problem.free = {FitParameter::mu1};
+  problem.trajectory_runs = std::move(slides);
+  FitOptions quick;
+  quick.profiles = quick.next_experiment = quick.estimate_scatter = false;
+  quick.multi_starts = 1;
+  return estimate(problem, quick).p_value;
+}
+
+// 95 of 100 within three sds of a binomial share: the noise is estimated from the points that it judges.
+TEST(PointNoise, PerfectWhiteNoiseIsAccepted) {
+  std::mt19937_64 random(8);
+  constexpr int kTracks = 400;
+  constexpr std::size_t kLengths[] = {36, 60, 120, 300};
+  int accepted = 0, doubted = 0;
+  for (int k = 0; k < kTracks; ++k) {
+    const double p = p_of({slide(kLengths[k % 4], 3e-5, 0, random)});
+    accepted += p > 0.05;
+    doubted += p < 1e-3;
+  }
+  EXPECT_NEAR(accepted, 0.95 * kTracks, 3 * std::sqrt(0.95 * 0.05 * kTracks));
+  EXPECT_LE(doubted, 4);
+}
+
+TEST(PointNoise, SeveralWhiteTracksTogetherAreAccepted) {
+  std::mt19937_64 random(9);
+  int accepted = 0;
+  for (int k = 0; k < 40; ++k) {
+    std::vector<TrajectoryRun> slides;
+    for (const std::size_t length : {40, 50, 60}) slides.push_back(slide(length, 3e-5, 0, random));
+    accepted += p_of(slides) > 0.05;
+  }
+  EXPECT_GE(accepted, 33);  // of 38 expected, sd 1.4
+}
+
+TEST(PointNoise, ColouredNoiseIsNot) {
+  std::mt19937_64 random(10);
+  for (int k = 0; k < 10; ++k) EXPECT_LT(p_of({slide(200, 3e-5, 0.8, random)}), 1e-3);
 }
 
 TEST(PointNoise, TooFewFramesTellNothing) {

@@ -138,8 +138,8 @@ Json bare() {
 TEST(FitResultJson, WhatAnOlderFileLacksIsNoNumber) {
   const auto fit = bare().get<FitResult>();
   EXPECT_EQ(fit.parameters[0].profile_ci95.high, kInfinity) << "an open end";
-  for (const double absent : {fit.parameters[1].profile_ci95.low, fit.parameters[0].bootstrap_ci95.high,
-                              fit.p_value, fit.runs_test_p_value, fit.scatter})
+  for (const double absent :
+       {fit.parameters[1].profile_ci95.low, fit.parameters[0].bootstrap_ci95.high, fit.p_value, fit.scatter})
     EXPECT_TRUE(std::isnan(absent));
   EXPECT_FALSE(fit.next_experiment);
   EXPECT_TRUE(fit.runs.empty() && fit.slides.empty() && fit.budget.empty() && fit.minima.empty());

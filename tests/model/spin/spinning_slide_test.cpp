@@ -103,9 +103,10 @@ TEST(SpinningSlide, SignOfTheSpinOnlyTurnsTheAngle) {
 TEST(SpinningSlide, DerivativesAreThoseOfTheMotion) {
   IntegrationOptions options;
   options.derivatives = {Parameter::mu1,    Parameter::velocity_x, Parameter::velocity_y, Parameter::spin,
-                         Parameter::tilt_x, Parameter::gravity,    Parameter::inertia};
+                         Parameter::tilt_x, Parameter::gravity,    Parameter::inertia,    Parameter::viscous};
   for (const double ratio : {0.4, 0.9, 2.0}) {
-    const Scenario base = slide(0.17, 0.6, ratio);
+    Scenario base = slide(0.17, 0.6, ratio);
+    base.viscous = 0.8;
     const Trajectory run = integrate(base, options);
     for (const double t : {0.15, 0.33, base.duration}) {
       const SensitiveSample at = run.sensitive_at(t);
@@ -125,6 +126,30 @@ TEST(SpinningSlide, DerivativesAreThoseOfTheMotion) {
       }
     }
   }
+}
+
+// Without spin v' = -(a + c v): x = (v0 + a/c) (1 - exp(-c t))/c - a t/c until ln(1 + c v0/a)/c.
+TEST(SpinningSlide, ViscousFrictionIsAnExponential) {
+  const double mu = 0.17, speed = 0.6, a = mu * 9.81;
+  for (const double c : {0.01, 0.84, 20.0}) {
+    Scenario s = slide(mu, speed, 0);
+    s.spin = {};
+    s.viscous = c;
+    const Trajectory run = integrate(s, {.tolerance = 1e-13, .derivatives = {}});
+    const double stop = std::log1p(c * speed / a) / c;
+    EXPECT_NEAR(run.end_time() - run.summary().stick_time, stop, 1e-8 * stop);
+    for (const double share : {0.1, 0.5, 0.9, 1.0, 1.2}) {
+      const double t = std::min(share, 1.0) * stop;
+      const double way = (speed + a / c) * -std::expm1(-c * t) / c - a * t / c;
+      EXPECT_NEAR(run.at(share * stop).position.norm(), way, 1e-10 * std::max(1.0, 1 / c))
+          << c << " " << share;
+    }
+  }
+  Scenario driven = slide(mu, speed, 0);
+  driven.spin = {};
+  driven.viscous = 1;
+  driven.drive.amplitude = 1e-3;
+  EXPECT_THROW(integrate(driven), InvalidParameter);
 }
 
 TEST(SpinningSlide, GoesOnDownASteepSlope) {

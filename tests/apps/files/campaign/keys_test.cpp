@@ -124,6 +124,19 @@ TEST(LastDigit, IsHalfAUnitEvenlyDistributed) {
     EXPECT_EQ(last_digit_sd(set), 0) << set;
 }
 
+TEST_F(CampaignKeys, HoldOutNamesDrivenRunsButNotAll) {
+  const std::string two = "name = \"a\"\n" + kRun.substr(kRun.find('\n') + 1);
+  const auto with = [&](const std::string& names) {
+    return "[fit]\nhold_out = [" + names + "]\n[[run]]\n" + two + "[[run]]\nname = \"b\"\n" +
+           kRun.substr(kRun.find('\n') + 1);
+  };
+  put(in_folder("c.toml"), with("\"b\""));
+  EXPECT_EQ(read_campaign(in_folder("c.toml")).fit.hold_out, std::vector<std::string>{"b"});
+  EXPECT_THAT(complaint(with("\"c\"")),
+              HasSubstr("c.toml:2:1: `hold_out` in [fit] names \"c\", which is no run"));
+  EXPECT_THAT(complaint(with("\"a\", \"b\"")), HasSubstr("names every run; leave some to fit to"));
+}
+
 TEST_F(CampaignKeys, ExactIsEverythingOrAListOfNames) {
   const auto exact = [&](const std::string& value) {
     put(in_folder("c.toml"), "[fit]\nexact = " + value + "\n[platform]\namplitude_mm = 0.280\n" + kRun);

@@ -39,24 +39,6 @@ TEST(CheckSection, WithoutSpareDataNothingChecksTheModel) {
   EXPECT_THAT(check_of(data), Not(HasSubstr("p = ")));
 }
 
-TEST(CheckSection, TheRunsTestSaysWhatItMeans) {
-  ReportData data = sample::campaign();
-  data.fit.runs_test_p_value = 0.4;
-  EXPECT_THAT(check_of(data), HasSubstr("<b>Runs test: p = 0.4</b> (threshold 0.01): no sign"));
-  EXPECT_THAT(check_of(data), Not(HasSubstr("fewer than eight")));
-  data.fit.runs_test_p_value = 1;
-  EXPECT_THAT(check_of(data), HasSubstr("<b>Runs test: p = 1</b> (threshold 0.01): residuals of neighbouring "
-                                        "runs change sign as often as by chance"));
-  ReportData few = data;
-  few.runs.resize(7);
-  EXPECT_THAT(check_of(few), HasSubstr("with fewer than eight runs the test decides nothing"));
-  data.fit.runs_test_p_value = 0.002;
-  EXPECT_THAT(
-      check_of(data),
-      HasSubstr(
-          "<b>Runs test: p = 0.002</b> (threshold 0.01): residuals of neighbouring runs have the same"));
-}
-
 TEST(CheckSection, OutlyingRunsAreNamedWithWhatTheyLookLike) {
   ReportData data = sample::campaign();
   data.fit.outliers = {{"phi90_dtau60", 12.3, 3e-8, sample::pi, ""}, {"elsewhere", 5.0, 0, {}, ""}};
@@ -69,6 +51,18 @@ TEST(CheckSection, OutlyingRunsAreNamedWithWhatTheyLookLike) {
                         "<td class=\"n\">–</td><td class=\"n\">–</td>"));
   data.fit.outliers[0].looks_like_phi.reset();
   EXPECT_THAT(check_of(data), Not(HasSubstr("that would fit")));
+}
+
+TEST(CheckSection, RunsKeptOutStandWithWhatWasPredicted) {
+  ReportData data = sample::campaign();
+  EXPECT_THAT(check_of(data), Not(HasSubstr("Runs kept out")));
+  ReportRun& run = data.runs.front();
+  run.fitted.prediction = fit::RunResult::Prediction{4.2, 0.12};
+  run.fitted.residuals = {{"alpha_rad", 1.25, 1.23, 0.02, 1}, {"v_mm_s", 2.5, 2.4, 0.1, 1}};
+  EXPECT_THAT(
+      check_of(data),
+      HasSubstr("<td class=\"n\">1.250(20)</td><td class=\"n\">1.230</td><td class=\"n\">2.50(10)</td><td "
+                "class=\"n\">2.40</td><td class=\"n\">0.1</td>"));
 }
 
 TEST(CheckSection, ExplanationsStandBesideWhatWasAssumed) {

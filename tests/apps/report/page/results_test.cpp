@@ -21,6 +21,15 @@ std::string parameters_of(const ReportData& data) {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+TEST(FirstScreen, ValuesAsDescribedStandBesideThoseQuoted) {
+  ReportData data = sample::campaign();
+  EXPECT_THAT(first_screen(data, {}), Not(HasSubstr("as described")));
+  data.fit.as_assumed[fit::FitParameter::mu1] = {0.12, 0.001, {0.118, 0.122}};
+  const std::string html = first_screen(data, {});
+  EXPECT_THAT(html, HasSubstr("<th>as described, rejected</th>"));
+  EXPECT_THAT(html, HasSubstr("<td>0.1200(10)<br><span class=\"ends\">0.1180 to 0.1220</span></td></tr>"));
+}
+
 TEST(ParameterSection, EachParameterHasItsRow) {
   const std::string html = parameters_of(sample::campaign());
   EXPECT_THAT(html, HasSubstr("<th>μ<sub>1</sub></th><td class=\"n\" data-v=\"0.100123\" "
