@@ -15,7 +15,8 @@
 // is measured again over these pictures, each place weighed by what it leaves unexplained. In the end an
 // audit asks the recording itself whether the standard deviations hold, and widens them where they do not.
 // Where these say clearly more than noise alone would allow - the part turns, the light changes - its edge is
-// measured, blind to what happens inside it, in bands of time (edge/edge.h), and kept where it is known better.
+// measured, blind to what happens inside it, in bands of time (edge/edge.h), and kept where it is known
+// better.
 //
 //   const auto source = open_source("slide.mp4", {.frame_rate_hz = 240});
 //   TrackOptions options;

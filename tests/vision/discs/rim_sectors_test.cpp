@@ -55,8 +55,8 @@ TEST(RimSectors, OtherRoundThingsAreNotThePart) {
   EXPECT_TRUE(is_the_part(part));
   EXPECT_TRUE(is_the_part(scene_of(47.9, 48.1, 20, 130).render()));     // less light
   EXPECT_FALSE(is_the_part(scene_of(47.3, 48.6, 21.5, 150).render()));  // larger
-  EXPECT_TRUE(is_the_part(scene_of(47.3, 48.6, 20, 20).render()));      // metal that has turned out of the light
-  EXPECT_FALSE(is_the_part(test::TestScene{}.render()));                // nothing there
+  EXPECT_TRUE(is_the_part(scene_of(47.3, 48.6, 20, 20).render()));  // metal that has turned out of the light
+  EXPECT_FALSE(is_the_part(test::TestScene{}.render()));            // nothing there
   test::TestScene covered = scene_of(47.3, 48.6, 20, 150);
   covered.discs.push_back({62, 48, 22, 0, 100, {}});  // a hand over half of its rim
   EXPECT_FALSE(is_the_part(covered.render()));
