@@ -96,8 +96,9 @@ void check_hold_out(const Campaign& campaign, StrictTable& top) {
   const auto fail = [&](const std::string& what) { top.table("fit")->fail("hold_out", what); };
   for (const std::string& name : names) {
     const auto run = std::ranges::find(campaign.runs, name, &CampaignRun::name);
-    if (run == campaign.runs.end()) fail(fmt::format("names \"{}\", which is no run of this campaign", name));
-    if (run->free_slide)
+    if (run == campaign.runs.end())
+      fail(fmt::format("names \"{}\", which is no run of this campaign", name));
+    else if (run->free_slide)
       fail(fmt::format("names \"{}\", a free slide; only driven runs are predicted", name));
   }
   if (std::ranges::all_of(campaign.runs,
