@@ -12,9 +12,11 @@ namespace {
 constexpr std::size_t kFewest = 12;  ///< frames to learn from
 constexpr std::size_t kLearnt = 512,
                       kBlock = 64;  ///< frames learnt from at most, and consecutive ones of them
-constexpr int kRounds = 4;          ///< positions settle in three
-constexpr int kSlopeRounds = 2;     ///< the gradient of the mean picture settles before
-constexpr int kOpticsEvery = 2;     ///< rounds
+constexpr std::size_t kLevels = std::size_t{1}
+                                << 24;  ///< numbers kept of these: some 300 MB with their bands
+constexpr int kRounds = 4;              ///< positions settle in three
+constexpr int kSlopeRounds = 2;         ///< the gradient of the mean picture settles before
+constexpr int kOpticsEvery = 2;         ///< rounds
 constexpr int kIterations = 50, kMoreIterations = 20;  ///< of the variances, first and again
 constexpr std::size_t kAtOnce = 16;                    ///< frames that one thread samples
 constexpr double kNear = 0.05;                         ///< px from where a frame was sampled: M is linear
@@ -81,7 +83,8 @@ void EdgeTracking::choose_frames() {
     centres_.push_back(frames_[k].centre);
     if (source_.bounds().contains(sampler.window(frames_[k].centre))) usable_.push_back(k);
   }
-  const std::size_t n = usable_.size(), blocks = n <= kLearnt ? 1 : kLearnt / kBlock;
+  const std::size_t n = usable_.size(), most = std::clamp(kLevels / grid_.size(), kBlock, kLearnt);
+  const std::size_t blocks = n <= most ? 1 : std::max<std::size_t>(2, most / kBlock);
   const std::size_t length = blocks > 1 ? kBlock : n;
   for (std::size_t b = 0; b < blocks; ++b) {
     const std::size_t first = blocks > 1 ? b * (n - length) / (blocks - 1) : 0;
