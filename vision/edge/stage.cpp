@@ -62,10 +62,13 @@ Variances compare(const Track& track, const Fixes& fixes) {
 }
 
 /// Why the edge need not be looked at; empty where it must.
-std::string reason_against(const FirstPassResult& first, const TrackOptions& options, double stated) {
+std::string reason_against(const FirstPassResult& first, const TrackOptions& options, bool coded,
+                           bool turning, double stated) {
   if (options.layers == Layers::off) return "switched off with the second pass";
   if (first.blur <= 0) return "the part has no measured round rim";
   if (first.disc.radius < kSmallest) return "the part is too small";
+  if (coded && !turning)
+    return "the part does not turn visibly, and what a lossy coder does moves an edge as well";
   if (stated < kWorth * first.limit_px)
     return fmt::format("the part's pictures give {:.2g} px, noise alone allows {:.2g} px", stated,
                        first.limit_px);
@@ -76,9 +79,10 @@ std::string reason_against(const FirstPassResult& first, const TrackOptions& opt
 
 EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                        StageClock& clock, double stated, Track& track) {
+  const bool coded = source.info().coder.has_value(), turning = turns(first, track);
   EdgeOutcome out;
-  PlanStage& stage =
-      out.plan.emplace_back(PlanStage{.name = kName, .reason = reason_against(first, options, stated)});
+  PlanStage& stage = out.plan.emplace_back(
+      PlanStage{.name = kName, .reason = reason_against(first, options, coded, turning, stated)});
   if (!stage.reason.empty()) return out;
   const auto running = clock.enter(Stage::edge);
   std::vector<FirstPassFrame> frames;
@@ -104,8 +108,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   const Variances v = compare(track, fixes);
   // Pictures of a part that turns hold what turns with it: a difference is their error first. What a lossy
   // coder does moves an edge as well.
-  const bool pictures_first = turns(first, track) && !source.info().coder;
-  const double of_track = std::max(stated * stated, pictures_first ? v.differ : v.differ - v.of_edge);
+  const double of_track = std::max(stated * stated, turning && !coded ? v.differ : v.differ - v.of_edge);
   stage.on = out.done = v.of_edge < of_track;
   stage.reason = fmt::format(
       "learnt from {} frames: edge at {:.2f} px, blur {:.2f} px, chamfer {:.2f} px; predicted errors: {:.2g} "
