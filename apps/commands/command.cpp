@@ -99,12 +99,16 @@ void add_number(CLI::App& command, const std::string& flag, std::optional<double
 
 namespace {
 
-/// `help COMMAND` is COMMAND --help.
-std::vector<std::string> arguments_of(int argc, const char* const* argv) {
+/// `help COMMAND` is COMMAND --help; of what is no command it is as wrong as that command.
+std::vector<std::string> arguments_of(const CLI::App& app, int argc, const char* const* argv) {
   std::vector<std::string> typed(argv + 1, argv + argc);
   if (typed.empty() || typed.front() != "help") return typed;
   typed.erase(typed.begin());
-  typed.emplace_back("--help");
+  const bool known =
+      typed.empty() || typed.front().starts_with('-') || typed.front() == "campaign" ||
+      !app.get_subcommands([&](const CLI::App* command) { return command->get_name() == typed.front(); })
+           .empty();
+  if (known) typed.emplace_back("--help");
   return typed;
 }
 
@@ -169,7 +173,7 @@ int run_program(int argc, const char* const* argv) {
       "campaign");
   add_options_of_all(app, context);
   add_commands(app, context);
-  const std::vector<std::string> typed = arguments_of(argc, argv);
+  const std::vector<std::string> typed = arguments_of(app, argc, argv);
   const LastWords stopped("stopped: nothing half-written is left");
   try {
     if (const auto what = help_on_campaigns(typed)) {
