@@ -14,7 +14,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,7 +26,6 @@ namespace tribotrack::vision {
 
 struct EdgeOptions {
   double radius = 0;          ///< px, known to about a pixel
-  double blur = 0.85;         ///< of the rim, px: a start
   double noise_variance = 1;  ///< of a pixel, grey levels^2
   int threads = 1;            ///< the result is the same for any number
 };

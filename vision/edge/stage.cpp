@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "vision/kernels/median.h"
 
@@ -93,11 +92,9 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
     frames.push_back({first.first_index + static_cast<std::int64_t>(k), {p.x, p.y}, {}});
     places.push_back(k);
   }
-  const EdgeTrack edge = track_edge(source, frames,
-                                    {.radius = first.disc.radius,
-                                     .blur = first.blur,
-                                     .noise_variance = first.noise_variance,
-                                     .threads = options.threads});
+  const EdgeTrack edge = track_edge(
+      source, frames,
+      {.radius = first.disc.radius, .noise_variance = first.noise_variance, .threads = options.threads});
   if (edge.fixes.empty()) {
     stage.reason = edge.why_not;
     return out;
