@@ -157,11 +157,15 @@ struct SeenTag {
 };
 
 struct TrackSummary : FrameCounts {
-  Circle disc;                ///< as tracked in the first frame: given or found, px; radius 0 for a rectangle
-  double disc_blur = 0;       ///< s, Gaussian sd of its edge with the pixel in it, px; 0 where not measured
-  double disc_radius_sd = 0;  ///< px, 0 where not measured
-  /// Part of it, px, that every recording of this part shares (MeanRadius::common_sd).
-  double disc_radius_common_sd = 0;
+  Circle disc;  ///< its edge as seen in the first frame: given or found, px; radius 0 for a rectangle
+  double disc_blur = 0;  ///< s, Gaussian sd of its edge with the pixel in it, px; 0 where not measured
+  /// Of the edge as seen, px, 0 where not measured.
+  double disc_radius_sd = 0;
+  /// Of the outer edge, px: what lies beyond the edge as seen is a chamfer that may not show. 0 where the
+  /// edge is not measured. Part of the sd every recording of this part shares.
+  double outer_radius = 0, outer_radius_sd = 0, outer_radius_common_sd = 0;
+  double chamfer = 0;             ///< px: its width where known or seen, else the widest that would not show
+  bool chamfer_known = false;     ///< given, or seen
   Circle marker;                  ///< a round one; radius 0 without
   std::optional<SeenTag> tag;     ///< that the marker is
   bool ground_is_marker = false;  ///< all of the platform's ground that is seen serves as its marker

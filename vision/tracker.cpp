@@ -15,6 +15,7 @@
 #include "vision/camera/pixels.h"
 #include "vision/coding/coded_errors.h"
 #include "vision/coding/rim_coding.h"
+#include "vision/edge/chamfer.h"
 #include "vision/edge/stage.h"
 #include "vision/layers/stage.h"
 #include "vision/rotation/rotation_track.h"
@@ -30,6 +31,8 @@ void TrackOptions::validate() const {
   if (!(max_lost_share >= 0 && max_lost_share <= 1))
     throw std::invalid_argument("max_lost_share must lie between 0 and 1");
   if (threads < 1) throw std::invalid_argument("threads must be at least 1");
+  if (chamfer && !(*chamfer >= 0 && *chamfer < 1))
+    throw std::invalid_argument("chamfer must be less than the radius and not negative");
   if (frame_step < 1) throw std::invalid_argument("frame_step must be at least 1");
   if (search_margin_px < 0) throw std::invalid_argument("search_margin_px must not be negative");
   const auto check = [](const Circle& c, const char* what) {
@@ -79,7 +82,7 @@ class Tracking {
     follow_rotation();
     audit_track();
     allow_for_coding();
-    refine_radius();
+    measure_radius();
     prepend_absence();
     result_.stage_times = clock_.times();
     return std::move(result_);
@@ -99,7 +102,7 @@ class Tracking {
   void decline_for_coding(LayeredOutcome& layers, const Track& measured) const;
   void audit_track();
   void allow_for_coding();
-  void refine_radius();
+  void measure_radius();
   void prepend_absence();
   FrameSource& frames() { return mended_ ? static_cast<FrameSource&>(*mended_) : cache_; }
 
@@ -280,14 +283,32 @@ void Tracking::allow_for_coding() {
   widen_for_coding(coded, result_.track, result_.summary);
 }
 
-/// The mean over several frames, where the first frame or the layers show the rim.
-void Tracking::refine_radius() {
+/// Of the edge as seen the mean over several frames, where the first frame or the layers show it; and of the
+/// outer edge.
+void Tracking::measure_radius() {
+  const auto running = clock_.enter(Stage::radius);
   TrackSummary& summary = result_.summary;
-  const auto mean = first_pass_->radius();
-  if (!mean || !(summary.disc_radius_sd < kClickSd)) return;
-  summary.disc.radius = mean->radius;
-  summary.disc_radius_sd = mean->sd;
-  summary.disc_radius_common_sd = mean->common_sd;
+  if (!(summary.disc_blur > 0)) return;
+  double common_sd = 0;
+  if (const auto mean = first_pass_->radius()) {
+    summary.disc.radius = mean->radius;
+    summary.disc_radius_sd = mean->sd;
+    common_sd = mean->common_sd;
+  }
+  std::vector<FirstPassFrame> seen;
+  for (std::size_t k = 0; k < result_.track.points.size(); ++k)
+    if (const TrackPoint& p = result_.track.points[k]; p.status == TrackStatus::ok)
+      seen.push_back({start_ + static_cast<std::int64_t>(k), {p.x, p.y}, {}});
+  std::optional<double> chamfer;
+  if (options_.chamfer) chamfer = *options_.chamfer * summary.disc.radius;
+  const OuterEdge edge = outer_edge(frames(), seen, summary.disc.radius, summary.disc_blur,
+                                    first_pass_->result().noise_variance, chamfer);
+  summary.chamfer = edge.widest;
+  summary.chamfer_known = chamfer || edge.measured;
+  summary.outer_radius = summary.disc.radius + edge.beyond;
+  summary.outer_radius_sd = std::hypot(summary.disc_radius_sd, edge.beyond_sd);
+  summary.outer_radius_common_sd = std::hypot(common_sd, edge.beyond_sd);
+  summary.plan.push_back(chamfer_stage(edge, chamfer.has_value()));
 }
 
 /// Frames before the part was there are lost, and not counted against the track.

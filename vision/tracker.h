@@ -114,6 +114,8 @@ struct TrackOptions {
   double max_lost_share = 0.1;  ///< of the frames: more lost ones and the track is not accepted; 0 .. 1
   int search_margin_px = 0;     ///< half width of the search about the prediction; 0: chosen from the motion
   Layers layers = Layers::automatic;
+  /// Width of the disc's chamfer over its radius, where known; 0: its edge is sharp.
+  std::optional<double> chamfer = {};
   int threads = 1;  ///< at work on this recording; the result is the same for any number
   /// Frames of the work done and in all: the first of two passes counts for half.
   std::function<void(std::int64_t done, std::int64_t total)> progress;

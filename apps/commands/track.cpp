@@ -292,7 +292,11 @@ void add_track(CLI::App& app, Context& context) {
       ->type_name("TEXT");
   add_number(command, "--mm-per-px", options->choices.mm_per_px, "Scale, of the platform's plane");
   add_number(command, "--disc-diameter-mm", options->choices.disc_diameter_mm,
-             "Scale by the disc's true diameter");
+             "Scale by the disc's true diameter; beside another scale a check of it");
+  add_number(
+      command, "--chamfer-mm", options->choices.chamfer_mm,
+      "Width of the disc's chamfer seen from above, 0 for a sharp edge: makes the scale by its diameter "
+      "sharp");
   add_number(command, "--tag-mm", options->choices.tag_mm,
              "Scale by the side of the tag's black square (--marker tag:...)");
   command

@@ -152,6 +152,8 @@ PartSection read_part(StrictTable& table, WithSd with_sd) {
   if (part.diameter_sd_mm > 0 && !part.diameter_mm)
     table.fail("diameter_sd_mm",
                "is the sd of `diameter_mm`, which is not given here: give both, or neither");
+  if (part.chamfer_mm && part.diameter_mm && !(2 * *part.chamfer_mm < *part.diameter_mm))
+    table.fail("chamfer_mm", "must be less than half of `diameter_mm`");
   table.finish();
   return part;
 }

@@ -34,6 +34,7 @@ struct PartSection {
   std::optional<double> diameter_mm, height_mm;
   double diameter_sd_mm = 0;  ///< 0: not given
   std::optional<double> height_sd_mm;
+  std::optional<double> chamfer_mm;         ///< width of its ring seen from above; 0: a sharp edge
   std::optional<vision::Circle> disc_px;    ///< where it lies at first, in every run that does not say
   std::optional<vision::Rect> template_px;  ///< instead of a disc
   Digits digits = {};                       ///< of what is given

@@ -82,6 +82,7 @@ apps::TrackChoices choices_of(const py::dict& options) {
   choices.fps_reason = text_in(options, "fps_reason");
   choices.mm_per_px = number_in(options, "mm_per_px");
   choices.disc_diameter_mm = number_in(options, "disc_diameter_mm");
+  choices.chamfer_mm = number_in(options, "chamfer_mm");
   choices.calibration = text_in(options, "calibration");
   choices.height_mm = number_in(options, "height_mm");
   choices.working_distance_mm = number_in(options, "working_distance_mm");

@@ -41,6 +41,7 @@ Json configuration_of(const Recording& recording, const std::optional<Input>& ca
                {"calibration", calibration ? Json(calibration->xxh3_128) : Json()},
                {"diameter_mm", optional_json(recording.part.diameter_mm)},
                {"diameter_sd_mm", recording.part.diameter_sd_mm},
+               {"chamfer_mm", optional_json(recording.part.chamfer_mm)},
                {"height_mm", optional_json(recording.part.height_mm)},
                {"working_distance_mm", optional_json(recording.camera.working_distance_mm)},
                {"xi_axis_rad", recording.camera.xi_axis_rad},

@@ -10,6 +10,12 @@ namespace tribotrack::apps {
 
 namespace {
 
+void set_chamfer(Recording& recording) {
+  const PartSection& part = recording.part;
+  if (part.chamfer_mm && part.diameter_mm)
+    recording.options.chamfer = *part.chamfer_mm / (0.5 * *part.diameter_mm);
+}
+
 /// What is followed, by [part] and [camera].
 void set_target(Recording& recording) {
   const auto follow = [&](const auto& place) {
@@ -46,6 +52,7 @@ Recording recording_of(const Campaign& campaign, const CampaignRun& run) {
     camera.mm_per_px_sd = run.mm_per_px_sd.value_or(0);
   }
   set_target(recording);
+  set_chamfer(recording);
   if (camera.mm_per_px) camera.calibration.reset();
   if (camera.mm_per_px || camera.calibration) camera.tag_mm.reset();
   if (camera.mm_per_px || camera.calibration || camera.tag_mm) recording.part.diameter_mm.reset();
@@ -110,10 +117,8 @@ void apply_frame_rate(const TrackChoices& choices, Recording& recording) {
 
 void apply_scale(const TrackChoices& choices, Recording& recording) {
   CameraSection& camera = recording.camera;
-  if (choices.mm_per_px && choices.disc_diameter_mm)
-    throw UsageError("give --mm-per-px or --disc-diameter-mm, not both");
-  if (!choices.calibration.empty() && (choices.mm_per_px || choices.disc_diameter_mm))
-    throw UsageError("--calibration gives the scale: leave out --mm-per-px and --disc-diameter-mm");
+  if (!choices.calibration.empty() && choices.mm_per_px)
+    throw UsageError("--calibration gives the scale: leave out --mm-per-px");
   if (is_positive("--mm-per-px", choices.mm_per_px)) {
     camera.mm_per_px = choices.mm_per_px;
     camera.mm_per_px_sd = 0;
@@ -122,16 +127,23 @@ void apply_scale(const TrackChoices& choices, Recording& recording) {
   if (is_positive("--disc-diameter-mm", choices.disc_diameter_mm)) {
     recording.part.diameter_mm = choices.disc_diameter_mm;
     recording.part.diameter_sd_mm = 0;
-    camera.mm_per_px.reset();
+    if (!choices.mm_per_px) camera.mm_per_px.reset();
     camera.calibration.reset();
+  }
+  if (choices.chamfer_mm) {
+    if (!recording.part.diameter_mm) throw UsageError("--chamfer-mm needs --disc-diameter-mm");
+    if (!(*choices.chamfer_mm >= 0 && 2 * *choices.chamfer_mm < *recording.part.diameter_mm))
+      throw UsageError(fmt::format("--chamfer-mm {:g} must be less than the radius and not negative",
+                                   *choices.chamfer_mm));
+    recording.part.chamfer_mm = choices.chamfer_mm;
   }
   if (!choices.calibration.empty()) {
     camera.calibration = choices.calibration;
     camera.mm_per_px.reset();
   }
   if (is_positive("--tag-mm", choices.tag_mm)) {
-    if (choices.mm_per_px || choices.disc_diameter_mm || !choices.calibration.empty())
-      throw UsageError("--tag-mm gives the scale: leave out --mm-per-px, --disc-diameter-mm, --calibration");
+    if (choices.mm_per_px || !choices.calibration.empty())
+      throw UsageError("--tag-mm gives the scale: leave out --mm-per-px and --calibration");
     camera.tag_mm = choices.tag_mm;
     camera.tag_mm_sd = 0;
     camera.mm_per_px.reset();
@@ -182,6 +194,7 @@ Recording recording_of(const std::filesystem::path& video, const TrackChoices& c
   if (!choices.config.empty()) apply_config(recording, choices.config);
   apply_frame_rate(choices, recording);
   apply_scale(choices, recording);
+  set_chamfer(recording);
   apply_target(choices, recording);
   recording.options.first_frame = choices.first_frame;
   recording.options.last_frame = choices.last_frame;

@@ -52,7 +52,8 @@ Recording recording_of(const Campaign& campaign, const CampaignRun& run);
 /// What `track` can be told: each a flag of the command line, and a keyword in Python. Empty: not given.
 /// Units as in the flags' names.
 struct TrackChoices {
-  std::optional<double> fps, mm_per_px, disc_diameter_mm, height_mm, working_distance_mm, xi_axis_rad, tag_mm;
+  std::optional<double> fps, mm_per_px, disc_diameter_mm, chamfer_mm, height_mm, working_distance_mm,
+      xi_axis_rad, tag_mm;
   std::string fps_reason;
   std::string calibration, config;  ///< files
   std::optional<vision::Circle> disc, gate;

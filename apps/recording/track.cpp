@@ -15,6 +15,10 @@ namespace tribotrack::apps {
 
 namespace {
 
+constexpr double kWorthSaying = 2e-3;  ///< of the scale: what a caliper leaves of a part of some mm
+constexpr double kCaliper = 0.02;      ///< mm
+constexpr double kContradicts = 3;     ///< standard deviations
+
 std::optional<vision::PlaneGeometry> geometry_of(const Recording& recording, const vision::SourceInfo& info,
                                                  const vision::TrackSummary& summary) {
   if (recording.camera.calibration) {
@@ -40,10 +44,36 @@ std::optional<vision::PlaneGeometry> geometry_of(const Recording& recording, con
         vision::scale_from_tag(*recording.camera.tag_mm, *summary.tag, recording.camera.tag_mm_sd),
         vision::ScalePlane::platform, parallax);
   if (!recording.part.diameter_mm) return std::nullopt;
+  const bool outer = summary.outer_radius > 0;
   return vision::PlaneGeometry(
-      vision::scale_from_diameter(*recording.part.diameter_mm, summary.disc.radius, summary.disc_radius_sd,
-                                  recording.part.diameter_sd_mm),
+      vision::scale_from_diameter(
+          *recording.part.diameter_mm, outer ? summary.outer_radius : summary.disc.radius,
+          outer ? summary.outer_radius_sd : summary.disc_radius_sd, recording.part.diameter_sd_mm),
       vision::ScalePlane::part_top, parallax);
+}
+
+/// What the scale by the diameter rests on, or what a diameter beside another scale says of that.
+std::optional<std::string> diameter_warning(const Recording& recording, const vision::TrackSummary& summary) {
+  const PartSection& part = recording.part;
+  if (!part.diameter_mm || !recording.scale || !(summary.outer_radius > 0)) return std::nullopt;
+  const double rim = summary.outer_radius_sd / summary.outer_radius;
+  const bool by_diameter = !recording.camera.mm_per_px && !recording.camera.calibration &&
+                           !(recording.camera.tag_mm && summary.tag);
+  if (by_diameter && !summary.chamfer_known && rim > kWorthSaying)
+    return fmt::format(
+        "the scale by the diameter is known to {:.2g} % only: a chamfer of up to {:.2f} px as dark as the "
+        "ground would not show; give chamfer_mm in [part] (--chamfer-mm; 0: a sharp edge), or the scale by "
+        "mm_per_px, a tag or a calibration",
+        100 * rim, summary.chamfer);
+  if (by_diameter) return std::nullopt;
+  const double seen = 2 * summary.outer_radius * recording.scale->mm_per_px;
+  const double sd = std::hypot(seen * std::hypot(rim, recording.scale->sd / recording.scale->mm_per_px),
+                               part.diameter_sd_mm, kCaliper);
+  if (std::abs(seen - *part.diameter_mm) < kContradicts * sd) return std::nullopt;
+  return fmt::format(
+      "the part is {:.4g} mm across by the scale given, sd {:.2g}, not {:.4g} mm: mend the one "
+      "or the other",
+      seen, sd, *part.diameter_mm);
 }
 
 /// The question as the user sees it: what to look at, and what to paste.
@@ -133,6 +163,8 @@ Recording track_source(Recording recording, std::shared_ptr<vision::FrameSource>
     if (const auto geometry = geometry_of(recording, info, result.summary)) {
       recording.geometry = geometry->as_needed(result.track, result.summary.limit_px, result.summary.plan);
       recording.scale = recording.geometry->part_scale();
+      if (auto warning = diameter_warning(recording, result.summary))
+        result.summary.warnings.push_back(std::move(*warning));
     }
     recording.rows = track_rows(result.track, recording.geometry, recording.camera.xi_axis_rad);
   } catch (const std::invalid_argument& error) {

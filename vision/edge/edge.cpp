@@ -146,9 +146,9 @@ void EdgeTracking::sample_learning_frames(bool slopes) {
 
 void EdgeTracking::learn_optics() {
   const RaySamples mean = samples_of_mean(grid_, mean_.level, options_.noise_variance, learning_.size());
-  out_.optics = likeliest_optics(grid_, fields_, mean, out_.optics);
+  out_.optics = likeliest_optics(fields_, mean, optics_about(out_.optics, grid_.radius));
   out_.radius = grid_.radius + out_.optics.edge;
-  covariances_ = fields_.covariances(out_.optics, true);
+  covariances_ = fields_.covariances(out_.optics, RayFields::Beside::whole_part);
 }
 
 /// Variances of the fields in each band and sector, and the weights that follow.

@@ -11,7 +11,6 @@ namespace {
 /// Px; what lamps make of metal is anything between a streak and a slope. Lengths a few times apart span all.
 constexpr double kInsideLengths[] = {2, 8, 40}, kOutsideLengths[] = {1.5, 6, 40};
 constexpr double kFineLength = 0.7;  ///< px: texture that the lens just passes
-constexpr double kCell = 0.25;       ///< px: a third of the sharpest blur
 constexpr double kBeyond = 4;        ///< px beyond the grid that the blur brings in
 constexpr double kLeastVariance = 1e-12;
 
@@ -20,18 +19,19 @@ double normal(double t) {
 }
 
 /// Share of each cell that lies inside an edge.
-Eigen::ArrayXd share_inside(const Eigen::VectorXd& cells, double edge) {
-  return ((edge - cells.array()) / kCell + 0.5).max(0).min(1);
+Eigen::ArrayXd share_inside(const Eigen::VectorXd& cells, double width, double edge) {
+  return ((edge - cells.array()) / width + 0.5).max(0).min(1);
 }
 
 }  // namespace
 
-RayFields::RayFields(const RayGrid& grid)
+RayFields::RayFields(const RayGrid& grid, double cell)
     : places_(static_cast<int>(grid.places())),
-      cells_(static_cast<int>((places_ - 1 + 2 * kBeyond) / kCell)) {
+      cells_(static_cast<int>((places_ - 1 + 2 * kBeyond) / cell)),
+      width_(cell) {
   place_ = Eigen::VectorXd::LinSpaced(places_, grid.offset(0), grid.offset(grid.places() - 1));
-  cell_ = Eigen::VectorXd::LinSpaced(cells_, place_(0) - kBeyond + kCell / 2,
-                                     place_(places_ - 1) + kBeyond - kCell / 2);
+  cell_ = Eigen::VectorXd::LinSpaced(cells_, place_(0) - kBeyond + width_ / 2,
+                                     place_(places_ - 1) + kBeyond - width_ / 2);
   const Eigen::ArrayXXd apart =
       (cell_.replicate(1, cells_) - cell_.transpose().replicate(cells_, 1)).array().abs();
   for (const double length : kInsideLengths) inside_.push_back((-apart / length).exp());
@@ -39,23 +39,24 @@ RayFields::RayFields(const RayGrid& grid)
   fine_ = (-(apart / kFineLength).square() / 2).exp();
 }
 
-std::vector<Eigen::MatrixXd> RayFields::covariances(const RimOptics& optics, bool whole_part) const {
+std::vector<Eigen::MatrixXd> RayFields::covariances(const RimOptics& optics, Beside beside) const {
   Eigen::MatrixXd blur(places_, cells_);
   for (int s = 0; s < places_; ++s)
     for (int c = 0; c < cells_; ++c) {
       const double off = place_(s) - cell_(c);
-      blur(s, c) = normal((off + kCell / 2) / optics.blur) - normal((off - kCell / 2) / optics.blur);
+      blur(s, c) = normal((off + width_ / 2) / optics.blur) - normal((off - width_ / 2) / optics.blur);
     }
-  const Eigen::ArrayXd part = share_inside(cell_, optics.edge),
-                       top = share_inside(cell_, optics.edge - optics.chamfer);
+  const Eigen::ArrayXd part = share_inside(cell_, width_, optics.edge),
+                       top = share_inside(cell_, width_, optics.edge - optics.chamfer);
   const auto seen = [&](const Eigen::ArrayXd& mask, const Eigen::MatrixXd& correlation) -> Eigen::MatrixXd {
     const Eigen::MatrixXd masked = blur * mask.matrix().asDiagonal();
     return masked * correlation * masked.transpose();
   };
   std::vector<Eigen::MatrixXd> fields;
   for (const auto& k : inside_) fields.push_back(seen(top, k));
-  if (whole_part)
+  if (beside == Beside::whole_part)
     for (const auto& k : inside_) fields.push_back(seen(part, k));
+  if (beside == Beside::chamfer) fields.push_back(seen(part - top, inside_.front()));
   for (const auto& k : outside_) fields.push_back(seen(1 - part, k));
   const Eigen::VectorXd strip = blur * (part - top).matrix();
   fields.emplace_back(strip * strip.transpose());

@@ -28,12 +28,17 @@ struct RimOptics {
 
 class RayFields {
  public:
-  explicit RayFields(const RayGrid& grid);
-  /// Q_q for a rim; `whole_part` with the fields that cross the chamfer.
-  std::vector<Eigen::MatrixXd> covariances(const RimOptics& optics, bool whole_part) const;
+  /// Fields are constant in cells of so many px; a third of the sharpest blur by default.
+  explicit RayFields(const RayGrid& grid, double cell = 0.25);
+  /// What may vary along a ray beside top, ground and the chamfer's level: nothing, fields that cross the
+  /// chamfer, or the chamfer's own level along the ray.
+  enum class Beside { nothing, whole_part, chamfer };
+  /// Q_q for a rim.
+  std::vector<Eigen::MatrixXd> covariances(const RimOptics& optics, Beside beside) const;
 
  private:
   int places_, cells_;
+  double width_;                                   ///< of a cell, px
   Eigen::VectorXd place_, cell_;                   ///< px from the nominal rim
   std::vector<Eigen::MatrixXd> inside_, outside_;  ///< K_q by correlation length
   Eigen::MatrixXd fine_;

@@ -52,14 +52,15 @@ std::vector<Eigen::MatrixXd> mean_products(const RayGrid& grid, const std::vecto
 }
 
 /// -2 log of the likelihood of a rim's optics, per ray.
-double cost_of(const RayFields& fields, const RimOptics& optics, const RaySamples& mean) {
-  const std::vector<Eigen::MatrixXd> pieces = fields.covariances(optics, false);
+double cost_of(const RayFields& fields, const RimOptics& optics, const RaySamples& mean,
+               RayFields::Beside beside) {
+  const std::vector<Eigen::MatrixXd> pieces = fields.covariances(optics, beside);
   double sum = 0;
   for (const Eigen::MatrixXd& c : mean.covariances) {
     Eigen::VectorXd start;
     sum += fit_variances(c, pieces, mean.noise_variance, kIterations, start);
   }
-  return sum / kSectors;
+  return sum / static_cast<double>(mean.covariances.size());
 }
 
 }  // namespace
@@ -79,21 +80,27 @@ std::vector<RaySamples> samples_of_bands(const RayGrid& grid, const std::vector<
   return out;
 }
 
-RimOptics likeliest_optics(const RayGrid& grid, const RayFields& fields, const RaySamples& mean,
-                           const RimOptics& start) {
-  RimOptics best = start;
+std::vector<RimOptics> optics_about(const RimOptics& start, double radius) {
+  std::vector<RimOptics> out;
+  for (double chamfer = 0; chamfer < kWidestChamfer * radius; chamfer = std::max(0.5, 2 * chamfer))
+    for (double edge = -kEdgeReach; edge <= kEdgeReach + chamfer; edge += kCoarse)
+      out.push_back({edge, start.blur, chamfer});
+  return out;
+}
+
+RimOptics likeliest_optics(const RayFields& fields, const RaySamples& mean,
+                           const std::vector<RimOptics>& starts, RayFields::Beside beside) {
+  RimOptics best = starts.front();
   double least = std::numeric_limits<double>::infinity();
   const auto improves = [&](const RimOptics& trial) {
     if (trial.blur < kSharpest || trial.chamfer < 0) return false;
-    const double cost = cost_of(fields, trial, mean);
+    const double cost = cost_of(fields, trial, mean, beside);
     if (!(cost < least)) return false;
     least = cost;
     best = trial;
     return true;
   };
-  for (double chamfer = 0; chamfer < kWidestChamfer * grid.radius; chamfer = std::max(0.5, 2 * chamfer))
-    for (double edge = -kEdgeReach; edge <= kEdgeReach + chamfer; edge += kCoarse)
-      improves({edge, start.blur, chamfer});
+  for (const RimOptics& start : starts) improves(start);
   for (double step = kCoarse; step > kFine; step /= 2)
     for (bool moved = true; moved;) {
       moved = false;

@@ -27,8 +27,11 @@ std::vector<RaySamples> samples_of_bands(const RayGrid& grid, const std::vector<
                                          double noise_variance, std::span<const std::size_t> block_ends);
 
 /// The rim's optics of greatest likelihood for the rays of the mean picture, which all share them whatever
-/// their levels: from the best of a coarse grid about `start` downhill along the axes.
-RimOptics likeliest_optics(const RayGrid& grid, const RayFields& fields, const RaySamples& mean,
-                           const RimOptics& start);
+/// their levels: from the best of `starts` downhill along the axes.
+RimOptics likeliest_optics(const RayFields& fields, const RaySamples& mean,
+                           const std::vector<RimOptics>& starts,
+                           RayFields::Beside beside = RayFields::Beside::nothing);
+/// A coarse grid about a circle that is known to a pixel.
+std::vector<RimOptics> optics_about(const RimOptics& start, double radius);
 
 }  // namespace tribotrack::vision

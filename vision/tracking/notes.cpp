@@ -131,6 +131,20 @@ PlanStage rim_stage(const RimEvidence& e) {
   return stage;
 }
 
+PlanStage chamfer_stage(const OuterEdge& edge, bool given) {
+  const std::string ring =
+      given ? fmt::format("a chamfer of {:.2f} px is given", edge.widest)
+      : edge.measured
+          ? fmt::format("a chamfer of {:.2f} px is seen in the rays of the mean picture", edge.widest)
+          : fmt::format("a chamfer of up to {:.2f} px as dark as the ground would not show", edge.widest);
+  return {
+      .name = "chamfer",
+      .on = edge.measured,
+      .reason = fmt::format("{}; the outer edge lies {:.2f} px beyond the edge that is seen, sd {:.2f} px",
+                            ring, edge.beyond, edge.beyond_sd),
+      .error_bound_px = edge.measured ? std::optional<double>() : edge.beyond_sd};
+}
+
 std::string no_rim_warning(const char* what, const Circle& given) {
   return fmt::format(
       "the {}'s rim near ({:.1f}, {:.1f}) px is not seen as a circle: its given centre and radius are used "

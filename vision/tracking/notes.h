@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "vision/edge/chamfer.h"
 #include "vision/following/pattern_follower.h"
 #include "vision/tracker.h"
 #include "vision/tracking/rim_track.h"
@@ -32,6 +33,9 @@ std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t fr
 
 /// In how many frames the rim alone measures the part, and why.
 PlanStage rim_stage(const RimEvidence& evidence);
+
+/// What lies beyond the edge that is seen.
+PlanStage chamfer_stage(const OuterEdge& edge, bool given);
 
 std::string no_rim_warning(const char* what, const Circle& given);
 std::string texture_lost_warning(std::int64_t frames);

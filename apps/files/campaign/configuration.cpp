@@ -13,7 +13,8 @@ constexpr const char* kOfEveryRun =
     "name video kind phi_rad phi_rad_sd dtau_rad dtau_rad_sd start cycles amplitude_mm amplitude_mm_sd "
     "amplitude_y_mm angular_frequency_rad_s angular_frequency_rad_s_sd phase_shift_rad phase_at_zero_rad "
     "phase_at_zero_rad_sd start_phase_rad start_phase_rad_sd frames frame_rate_hz frame_rate_hz_sd mm_per_px "
-    "mm_per_px_sd calibration diameter_mm diameter_sd_mm height_mm height_mm_sd working_distance_mm "
+    "mm_per_px_sd calibration diameter_mm diameter_sd_mm chamfer_mm height_mm height_mm_sd "
+    "working_distance_mm "
     "working_distance_mm_sd xi_axis_rad xi_axis_rad_sd row_time_s disc_px template_px marker_px marker "
     "gate_px "
     "scope";
@@ -26,7 +27,8 @@ Json picked(const Json& values, std::initializer_list<const char*> names) {
 }
 
 Json part_configuration(const PartSection& part) {
-  return picked(written(part_keys(), part), {"diameter_mm", "diameter_sd_mm", "height_mm", "height_mm_sd"});
+  return picked(written(part_keys(), part),
+                {"diameter_mm", "diameter_sd_mm", "chamfer_mm", "height_mm", "height_mm_sd"});
 }
 
 Json run_configuration(const Campaign& campaign, const CampaignRun& run) {

@@ -77,6 +77,10 @@ const Keys<PartSection>& part_keys() {
       {"diameter_mm_sd", Kind::sd, at<&P::diameter_sd_mm>, "0.005", "by a caliper"},
       {"diameter_sd_mm", Kind::not_negative, at<&P::diameter_sd_mm>, "0.005",
        "earlier name of diameter_mm_sd"},
+      {"chamfer_mm", Kind::not_negative, at<&P::chamfer_mm>, "0.1",
+       "width of its chamfer seen from above, 0 for a sharp edge: without it a diameter gives the scale to 1 "
+       "to "
+       "2 %"},
       {"height_mm", Kind::above_zero, at<&P::height_mm>, "0.8",
        "with working_distance_mm: the part's top is nearer to the camera than the mark"},
       {"height_mm_sd", Kind::sd_of_fit, at<&P::height_sd_mm>, "0.01"},

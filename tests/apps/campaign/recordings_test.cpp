@@ -112,6 +112,31 @@ class TrackRecording : public ProgramTest {
   Recording recording_;
 };
 
+// The rendered disc has a sharp edge of 12 px, 1.2 mm across at 0.05 mm/px.
+TEST_F(TrackRecording, ADiameterCountsTheChamferAndChecksAnotherScale) {
+  const auto scale = [&](const std::string& options) {
+    const Outcome outcome = run("track a.cine --disc-diameter-mm 1.2 -q -o t.csv " + options);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Json json = Json::parse(content_of(in_folder("t.csv.meta.json")))["scale"];
+    return std::pair(json["mm_per_px"].get<double>(), json["mm_per_px_sd"].get<double>());
+  };
+  const auto [sharp, sharp_sd] = scale("--chamfer-mm 0");
+  EXPECT_NEAR(sharp, 0.05, 0.0002);
+  EXPECT_LT(sharp_sd, 0.0001);
+  const auto [known, known_sd] = scale("--chamfer-mm 0.05");  // of 12 px one, of which half is seen
+  EXPECT_NEAR(known / sharp, 12 / 12.5, 0.001);
+  EXPECT_NEAR(known_sd / known, 1 / std::sqrt(12.0) / 12.5, 0.001);
+  const auto [unknown, unknown_sd] = scale("");
+  EXPECT_LT(std::abs(unknown - sharp), 2 * unknown_sd);
+  EXPECT_GT(unknown_sd, known_sd / 2);
+  EXPECT_THAT(run("track a.cine --disc-diameter-mm 1.2 -o t.csv").err, HasSubstr("chamfer_mm"));
+  const std::string both = "track a.cine --mm-per-px 0.05 --chamfer-mm 0 -o t.csv --disc-diameter-mm ";
+  EXPECT_THAT(run(both + "1.2").err, Not(HasSubstr("across")));
+  EXPECT_THAT(run(both + "1.4").err, HasSubstr("1.2 mm across by the scale given"));
+  EXPECT_EQ(run("track a.cine --mm-per-px 0.05 --chamfer-mm 0.1 -o t.csv").exit_code, 2);
+  EXPECT_EQ(run(both + "1.2 --chamfer-mm 0.6").exit_code, 2);
+}
+
 // A recording that is still being copied must not be recorded as the one that was tracked.
 TEST_F(TrackRecording, ARecordingThatChangesMeanwhileIsRefused) {
   recording_.options.progress = [&](std::int64_t, std::int64_t) {

@@ -86,7 +86,7 @@ class Track(ProgramTest):
         for options, said in [
             ({}, "frames in memory have no frame rate: give fps"),
             ({"fps": -1}, "fps must be greater than 0, not -1"),
-            ({"fps": 250, "mm_per_px": 0.1, "disc_diameter_mm": 6}, "give mm_per_px or disc_diameter_mm, not both"),
+            ({"fps": 250, "mm_per_px": 0.1, "chamfer_mm": 0.1}, "chamfer_mm needs disc_diameter_mm"),
             ({"fps": 250, "disc": (1, 2)}, "disc must be (x, y, radius) in pixels"),
             ({"fps": 250, "disc": (1, 2, 0)}, "disc 1,2,0: the radius must be greater than 0"),
             ({"fps": 250, "marker": "round"}, "marker must be (x, y, radius) in pixels, auto"),

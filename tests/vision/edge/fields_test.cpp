@@ -43,7 +43,7 @@ TEST(Bands, WhatIsConstantIsSlow) {
 TEST(RayFields, EndAtTheEdgeAndBeginThere) {
   const RayGrid grid = ray_grid(30);
   const RimOptics rim{0, 0.5, 2};
-  const std::vector<Eigen::MatrixXd> fields = RayFields(grid).covariances(rim, false);
+  const std::vector<Eigen::MatrixXd> fields = RayFields(grid).covariances(rim, RayFields::Beside::nothing);
   for (std::size_t s = 0; s < grid.places(); ++s) {
     const double off = grid.offset(s);
     const auto at = static_cast<Eigen::Index>(s);
@@ -59,7 +59,8 @@ TEST(RayFields, EndAtTheEdgeAndBeginThere) {
 
 /// Drawn from fields of known variance, in noise.
 TEST(RayFields, VariancesAreThoseOfGreatestLikelihood) {
-  const std::vector<Eigen::MatrixXd> fields = RayFields(ray_grid(30)).covariances({0, 0.8, 1}, false);
+  const std::vector<Eigen::MatrixXd> fields =
+      RayFields(ray_grid(30)).covariances({0, 0.8, 1}, RayFields::Beside::nothing);
   Eigen::VectorXd drawn = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(fields.size()));
   drawn(1) = 40;
   drawn(4) = 15;
@@ -73,7 +74,9 @@ TEST(RayFields, VariancesAreThoseOfGreatestLikelihood) {
   // Any other edge is less likely.
   const auto cost = [&](double edge) {
     Eigen::VectorXd v;
-    return fit_variances(covariance, RayFields(ray_grid(30)).covariances({edge, 0.8, 1}, false), 1, 300, v);
+    return fit_variances(covariance,
+                         RayFields(ray_grid(30)).covariances({edge, 0.8, 1}, RayFields::Beside::nothing), 1,
+                         300, v);
   };
   EXPECT_LT(cost(0), cost(0.5));
   EXPECT_LT(cost(0), cost(-0.5));

@@ -1,0 +1,70 @@
+// What a chamfer hides of a disc's outer edge: closed forms where it does not show, a drawn ring where it
+// does.
+#include "vision/edge/chamfer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "vision/analytic_scene.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kTop = 56, kGround = 60, kNoise = 2;
+
+/// A bright top with a ring about it whose level goes from dark to half as bright, as under one lamp.
+test::RenderedSource chamfered(double width, std::int64_t frames) {
+  return {
+      160, 160, frames, [width](std::int64_t k) {
+        test::TestScene scene;
+        scene.width = scene.height = 160;
+        scene.ground = kGround;
+        scene.discs = {{80, 80, kTop + width, 0, 75, {{{25, 0.03, 0.02, 0.4}}}}, {80, 80, kTop, 0, 150, {}}};
+        std::mt19937 noise(static_cast<unsigned>(40 + k));
+        return test::noisy(scene.render(), kNoise, noise);
+      }};
+}
+
+OuterEdge edge_of(double width, double seen) {
+  test::RenderedSource source = chamfered(width, 4);
+  std::vector<FirstPassFrame> frames;
+  for (std::int64_t k = 0; k < 4; ++k) frames.push_back({k, {80, 80}, {}});
+  return outer_edge(source, frames, seen, 0.8, kNoise * kNoise, std::nullopt);
+}
+
+TEST(OuterEdge, IsSeenBehindAWideChamferWhateverEdgeAFitTook) {
+  for (const double seen : {kTop + 0.4, kTop + 2}) {
+    const OuterEdge edge = edge_of(3.6, seen);
+    ASSERT_TRUE(edge.measured) << seen;
+    EXPECT_NEAR(seen + edge.beyond, kTop + 3.6, 2 * edge.beyond_sd) << seen;
+    EXPECT_NEAR(edge.widest, 3.6, 0.6) << seen;
+    EXPECT_LT(edge.beyond_sd, 0.01 * kTop);
+  }
+}
+
+TEST(OuterEdge, MayLieAnywhereBehindAChamferThatDoesNotShow) {
+  for (const double width : {0.0, 2.0}) {
+    const OuterEdge edge = edge_of(width, kTop);
+    EXPECT_FALSE(edge.measured) << width;
+    EXPECT_DOUBLE_EQ(edge.widest, 3);
+    EXPECT_NEAR(edge.beyond, width, 2 * edge.beyond_sd) << width;
+  }
+}
+
+TEST(OuterEdge, OfASmallDiscOrAKnownChamferTakesNoPicture) {
+  test::RenderedSource source = chamfered(0, 0);
+  const OuterEdge unknown =
+      outer_edge(source, {}, 30, 0.8, 1, std::nullopt);  // 7 % of 30 px, falling linearly
+  EXPECT_NEAR(unknown.beyond, 2.1 / 3, 1e-12);
+  EXPECT_NEAR(unknown.beyond_sd, 2.1 / std::sqrt(18.0), 1e-12);
+  const OuterEdge known = outer_edge(source, {}, 150, 0.8, 1, 1.2);
+  EXPECT_NEAR(known.beyond, 0.6, 1e-12);
+  EXPECT_NEAR(known.beyond_sd, 1.2 / std::sqrt(12.0), 1e-12);
+  const OuterEdge sharp = outer_edge(source, {}, 150, 0.8, 1, 0);
+  EXPECT_EQ(sharp.beyond, 0);
+  EXPECT_EQ(sharp.beyond_sd, 0);
+}
+
+}  // namespace
+}  // namespace tribotrack::vision

@@ -1,0 +1,33 @@
+// How far a disc's outer edge lies beyond the edge that the camera sees.
+//
+// Seen from above a chamfer is a ring about the part's top. As dark as the ground it hides the outer edge,
+// and a circle fitted to the rim has the top's radius; as bright as the top it hides the top's. With w its
+// width
+//   R = R_seen + c,   0 <= c <= w.
+// A ring wider than some three blurs shows in the mean picture's rays, whatever its levels (optics.h): then
+// c is measured. A narrower one cannot be told from the ground. Where w is known c is taken as anything
+// between none of it and all, mean w/2 and sd w/sqrt(12); where it is not, as anything up to the widest that
+// would not show, the wider the less likely (a density that falls linearly): mean w/3, sd w/sqrt(18).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "vision/frame_source.h"
+#include "vision/layers/first_pass.h"
+
+namespace tribotrack::vision {
+
+struct OuterEdge {
+  double beyond = 0, beyond_sd = 0;  ///< c, px
+  double widest = 0;                 ///< px: w where known or measured, else what would not show
+  bool measured = false;             ///< c is seen
+};
+
+/// `chamfer`: w in px if it is known. `frames` with the part's centres to a fraction of the blur; those of
+/// them are read, if any, that it takes to see a wide chamfer. `radius` is R_seen and `blur` that of its
+/// edge, px.
+OuterEdge outer_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames, double radius,
+                     double blur, double noise_variance, std::optional<double> chamfer);
+
+}  // namespace tribotrack::vision
