@@ -98,9 +98,6 @@ const Man kMen[] = {
     {"RotationRests", "Rotation.MP4", {33, 74, 9}, 202, 500, 700},
 };
 
-INSTANTIATE_TEST_SUITE_P(FirstPass, CarromMen,
-                         testing::Combine(testing::ValuesIn(kMen), testing::Values(Layers::off)),
-                         [](const auto& test) { return std::get<0>(test.param).name; });
 INSTANTIATE_TEST_SUITE_P(Default, CarromMen,
                          testing::Combine(testing::ValuesIn(kMen), testing::Values(Layers::automatic)),
                          [](const auto& test) { return std::get<0>(test.param).name; });

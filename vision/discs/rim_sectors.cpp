@@ -331,7 +331,7 @@ bool same_rim(const RimSectors& seen, const RimShape& known) {
          seen.unevenness < kUneven * known.unevenness + kUnevenSlack;
 }
 
-RimFix fix_of(const RimSectors& seen, const std::vector<float>& pattern, double noise_variance) {
+RimFix fix_of(const RimSectors& seen, const RimShape& known, double noise_variance) {
   const int count = static_cast<int>(seen.deviation.size());
   std::vector<Eigen::Vector3d> rows;
   std::vector<double> information, off;
@@ -341,7 +341,7 @@ RimFix fix_of(const RimSectors& seen, const std::vector<float>& pattern, double 
     const Point u = sector_direction(k, count);
     rows.emplace_back(u.x, u.y, 1);
     information.push_back(static_cast<double>(seen.information[at]));
-    off.push_back(static_cast<double>(seen.deviation[at] - pattern[at]));
+    off.push_back(static_cast<double>(seen.deviation[at] - known.pattern[at]));
   }
   std::vector<double> sizes;
   for (const double d : off) sizes.push_back(std::abs(d));
@@ -362,11 +362,16 @@ RimFix fix_of(const RimSectors& seen, const std::vector<float>& pattern, double 
   }
   const auto sectors = static_cast<double>(rows.size());
   const Eigen::Matrix3d covariance = sectors / std::max(1.0, sectors - 3) * inverse * scatter * inverse;
-  return {{seen.circle.x + step(0), seen.circle.y + step(1)}, covariance.topLeftCorner<2, 2>()};
+  return {{seen.circle.x + step(0) + known.offset.x, seen.circle.y + step(1) + known.offset.y},
+          covariance.topLeftCorner<2, 2>()};
 }
 
-RimShape shape_of(const RimSectors& seen, double blur) {
-  return {seen.circle.radius, blur, seen.unevenness};
+RimShape shape_of(const RimSectors& seen, double blur, const Point& centre) {
+  return {seen.circle.radius,
+          blur,
+          seen.unevenness,
+          seen.deviation,
+          {centre.x - seen.circle.x, centre.y - seen.circle.y}};
 }
 
 }  // namespace tribotrack::vision

@@ -23,6 +23,9 @@ namespace tribotrack::vision {
 struct RimShape {
   double radius = 0, blur = 0;  ///< px
   double unevenness = 0;        ///< RimSectors::unevenness of the frame that shape was taken from, px
+  /// RimSectors::deviation there: what is not round stays where the lamp stands.
+  std::vector<float> pattern;
+  Point offset;  ///< from the circle through its edges to the part's centre there, px
 };
 
 struct RimSectors {
@@ -58,13 +61,13 @@ struct RimFix {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2
 };
 
-/// The circle through the edges less `pattern`, px by sector, what they have in common in all frames. Its
-/// covariance N^-1 (sum i^2 d^2 u u^T) N^-1, i and d the sectors' information and what is left of their
-/// deviations and u their directions, holds whatever makes the rim uneven, as long as sectors err
-/// independently, and is never less than what noise does. Noise in grey levels^2.
-RimFix fix_of(const RimSectors& seen, const std::vector<float>& pattern, double noise_variance);
+/// The part's centre by the circle through the edges less the known pattern. Its covariance N^-1 (sum i^2 d^2
+/// u u^T) N^-1, i and d the sectors' information and what is left of their deviations and u their directions,
+/// holds whatever makes the rim uneven, as long as sectors err independently, and is never less than what
+/// noise does. Noise in grey levels^2.
+RimFix fix_of(const RimSectors& seen, const RimShape& known, double noise_variance);
 
-/// Of what was seen in a frame in which the part is known to be there.
-RimShape shape_of(const RimSectors& seen, double blur);
+/// Of what was seen in a frame in which the part is known to be there, at `centre`.
+RimShape shape_of(const RimSectors& seen, double blur, const Point& centre);
 
 }  // namespace tribotrack::vision

@@ -144,7 +144,7 @@ Pose PatternFollower::pose_at(const Point& position, std::int64_t index) const {
 
 void PatternFollower::accept(std::int64_t index, const Sighting& sighting) {
   motion_.add(index, sighting.position);
-  if (sighting.rim) {
+  if (sighting.by_rim) {
     ++effort_.proved_by_rim;
     if (template_rest_ == 0)
       template_rest_ = template_pause_ = std::min(2 * template_pause_ + 1, kLongestPause);
@@ -278,14 +278,15 @@ std::optional<Sighting> PatternFollower::by_rim(const Rect& window, std::int64_t
   if (!rim || !same_rim(*rim, *rim_) || rim->correlation < options_.min_ncc) return std::nullopt;
   rim->circle.x += window.x;
   rim->circle.y += window.y;
-  const Point centre{rim->circle.x, rim->circle.y};
-  if (distance(centre, place) > reach) return std::nullopt;
+  const RimFix fix = fix_of(*rim, *rim_, options_.noise_variance);
+  if (distance(fix.centre, place) > reach) return std::nullopt;
   Sighting s;
-  s.position = centre;
-  s.pose = pose_at(centre, index);
+  s.position = fix.centre;
+  s.covariance = fix.covariance;
+  s.pose = pose_at(fix.centre, index);
   s.ncc = rim->correlation;
   s.residual_rms = rim->residual_rms;
-  s.rim = std::move(rim);
+  s.by_rim = true;
   return s;
 }
 

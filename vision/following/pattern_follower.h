@@ -40,13 +40,12 @@ struct Sighting {
   Point position;
   Pose pose;                                             ///< theta as predicted where the rim alone was seen
   double sigma_theta = 0;                                ///< rad; 0 where theta was not measured
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< zero of a rim
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2
   double ncc = 0;  ///< correlation with the template; of a rim, with the edges fitted to it
   double residual_rms = 0;
   double excess_rms = 0;
   std::optional<HalvesError> halves;  ///< where they were asked for
-  std::optional<RimSectors>
-      rim;  ///< in the camera's coordinates, where the template did not confirm the match
+  bool by_rim = false;                ///< the template did not confirm the match
 };
 
 struct FollowStep {

@@ -20,9 +20,8 @@ struct FirstPassResult {
   bool texture_seen = false;        ///< in the first frame there is a texture that would show it
   std::vector<double> theta;        ///< that rotation, rad, one per point; 0 where not ok
   std::vector<double> sigma_theta;  ///< its standard deviation; 0 where it was not measured
-  std::vector<bool> by_rim;  ///< measured by the rim alone: where the template was not confirmed theta is
-                             ///< as predicted; complete after the last frame
-  std::vector<AuditFrame> audited;  ///< frames whose halves were compared, those measured by the rim left out
+  std::vector<bool> by_rim;  ///< the template was not confirmed: by the rim alone, theta as predicted
+  std::vector<AuditFrame> audited;  ///< frames whose halves were compared, none measured by the rim
   std::vector<double> residual;     ///< grey levels rms, one per point; 0 where not ok
   double noise_variance = 0;
   double ground_texture = 0;  ///< about the part in the first frame, grey levels rms beyond the noise

@@ -31,7 +31,7 @@ std::optional<RimShape> shape_in(const Picture& first, const std::optional<DiscF
   if (!rim) return std::nullopt;
   const auto sectors = measure_rim_sectors(first, rim->circle, rim->blur);
   if (!sectors) return std::nullopt;
-  const RimShape shape = shape_of(*sectors, rim->blur);
+  const RimShape shape = shape_of(*sectors, rim->blur, {rim->circle.x, rim->circle.y});
   return same_rim(*sectors, shape) ? std::optional(shape) : std::nullopt;
 }
 
@@ -40,7 +40,6 @@ void fill(TrackPoint& point, const Sighting& s) {
   point.x = s.position.x;
   point.y = s.position.y;
   point.ncc = s.ncc;
-  if (s.rim) return;  // its covariance is known at the end
   point.sigma_x = std::sqrt(s.covariance(0, 0));
   point.sigma_y = std::sqrt(s.covariance(1, 1));
   point.rho_xy = s.covariance(0, 1) / (point.sigma_x * point.sigma_y);
@@ -72,8 +71,7 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
       marker_(timed(
           clock, Stage::marker,
           [&] { return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc); })),
-      mean_radius_(setup_.disc, range.count() / kRimFrames, rim_),
-      rim_track_(rim_shape_, std::max<std::int64_t>(1, range.count() / kRimFrames)) {
+      mean_radius_(setup_.disc, range.count() / kRimFrames, rim_) {
   if (options.gate) lamp_.emplace(*options.gate, source);
   if (asks_ground(options)) {
     const auto running = clock.enter(Stage::marker);
@@ -122,7 +120,7 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
     result_.theta.back() = tentative_->pose.theta;
     result_.sigma_theta.back() = tentative_->sigma_theta;
     result_.residual.back() = tentative_->residual_rms;
-    rim_track_.see(source_, index - 1, track_.points.size() - 1, *tentative_);
+    result_.by_rim.back() = tentative_->by_rim;
     ++refound_;
     if (step.came_back) came_back_.push_back(track_.points.size() - 1);
   }
@@ -132,16 +130,16 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
   result_.theta.push_back(ok ? step.sighting->pose.theta : 0);
   result_.sigma_theta.push_back(ok ? step.sighting->sigma_theta : 0);
   result_.residual.push_back(ok ? step.sighting->residual_rms : 0);
+  result_.by_rim.push_back(ok && step.sighting->by_rim);
   if (!ok) return step;
   fill(point, *step.sighting);
-  if (!step.sighting->rim) excess_.push_back(step.sighting->excess_rms);
+  if (!step.sighting->by_rim) excess_.push_back(step.sighting->excess_rms);
   std::optional<AuditFrame> audited;
   if (step.sighting->halves) audited = {index, *step.sighting->halves, step.sighting->covariance};
   audited_.seen(audited);
   if (setup_.pattern.radius > 0) {
     const auto running = clock_.enter(Stage::radius);
     mean_radius_.see(source_, index, step.sighting->position);
-    rim_track_.see(source_, index, track_.points.size(), *step.sighting);
   }
   return step;
 }
@@ -187,8 +185,6 @@ void FirstPass::follow_ground(TrackSummary& summary) {
 
 Track FirstPass::finish(TrackSummary& summary) {
   for (const std::size_t begin : came_back_) add(summary.warnings, without_a_mark(track_, begin));
-  const RimEvidence rim =
-      timed(clock_, Stage::radius, [&] { return rim_track_.settle(source_, result_, track_); });
   summary.disc = setup_.disc;
   summary.disc_blur = setup_.disc_blur;
   summary.disc_radius_sd = setup_.disc_radius_sd;
@@ -208,7 +204,7 @@ Track FirstPass::finish(TrackSummary& summary) {
   summary.refound = refound_;
   add(summary.plan, search_stages(part_.effort(), summary.frames));
   if (part_.effort().ended) summary.warnings.push_back(alike_warning(source_.number(*part_.effort().ended)));
-  if (rim_shape_) summary.plan.push_back(rim_stage(rim));
+  if (rim_shape_) summary.plan.push_back(rim_stage(std::ranges::count(result_.by_rim, true), summary.ok));
   if (options_.target.kind == Target::Kind::find_disc) {
     const auto still = stillness_warning(track_, summary.disc);
     add(summary.warnings, still);
@@ -217,9 +213,6 @@ Track FirstPass::finish(TrackSummary& summary) {
   }
   result_.excess = median(excess_);
   result_.audited = audited_.frames();
-  std::erase_if(result_.audited, [&](const AuditFrame& frame) {
-    return result_.by_rim[static_cast<std::size_t>(frame.index - range_.first)];
-  });
   return std::move(track_);
 }
 

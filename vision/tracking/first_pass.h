@@ -13,7 +13,6 @@
 #include "vision/tracking/camera_check.h"
 #include "vision/tracking/gate_lamp.h"
 #include "vision/tracking/platform.h"
-#include "vision/tracking/rim_track.h"
 #include "vision/tracking/setup.h"
 
 namespace tribotrack::vision {
@@ -67,7 +66,6 @@ class FirstPass {
   std::optional<GateLamp> lamp_;
   RimWatch mean_radius_;
   AuditSample audited_;  ///< frames whose halves are compared
-  RimTrack rim_track_;
   FirstPassResult result_;
 
   Track track_;

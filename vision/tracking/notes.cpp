@@ -111,24 +111,16 @@ std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t fr
        .reason = fmt::format("needed in {} frames, where the part was lost", effort.whole_frame_searches)}};
 }
 
-PlanStage rim_stage(const RimEvidence& e) {
-  PlanStage stage{.name = "rim alone", .on = e.chosen || e.rim_only > 0, .reason = {}};
-  const std::string compared =
-      e.compared == 0
-          ? std::string("there is no other frame to compare it with the rim")
-          : fmt::format("in {} frames the rim is predicted to be {:.2g} px off, the template {:.2g} px",
-                        e.compared, e.rim_px, e.template_px);
-  if (e.rim_only == 0)
-    stage.reason = fmt::format("the template was confirmed in all {} frames; {}", e.frames, compared);
-  else
-    stage.reason =
-        fmt::format("the template was not confirmed in {} of {} frames in which the part's rim was; {}",
-                    e.rim_only, e.frames, compared);
-  if (e.chosen)
-    stage.reason += ": every frame is measured by the rim";
-  else if (e.rim_only > 0)
-    stage.reason += ": those frames alone are measured by the rim";
-  return stage;
+PlanStage rim_stage(std::int64_t by_rim, std::int64_t seen) {
+  return {
+      .name = "rim alone",
+      .on = by_rim > 0,
+      .reason =
+          by_rim > 0
+              ? fmt::format("the template was not confirmed in {} of {} frames in which the part's rim was: "
+                            "those are measured by the rim",
+                            by_rim, seen)
+              : fmt::format("the template was confirmed in all {} frames", seen)};
 }
 
 PlanStage chamfer_stage(const OuterEdge& edge, bool given) {

@@ -9,7 +9,6 @@
 #include "vision/edge/chamfer.h"
 #include "vision/following/pattern_follower.h"
 #include "vision/tracker.h"
-#include "vision/tracking/rim_track.h"
 
 namespace tribotrack::vision {
 
@@ -31,8 +30,8 @@ PlanStage ground_marker_stage(const std::string& ground, int learnt_from);
 /// Stages that only some frames need.
 std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t frames);
 
-/// In how many frames the rim alone measures the part, and why.
-PlanStage rim_stage(const RimEvidence& evidence);
+/// In how many of the frames in which the part was seen the rim alone measures it.
+PlanStage rim_stage(std::int64_t by_rim, std::int64_t seen);
 
 /// What lies beyond the edge that is seen.
 PlanStage chamfer_stage(const OuterEdge& edge, bool given);

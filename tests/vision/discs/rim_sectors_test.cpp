@@ -29,7 +29,7 @@ TEST(RimSectors, AnEvenDiscIsWhereItIs) {
       EXPECT_NEAR(rim->contrast, std::abs(level - 60), 0.01 * std::abs(level - 60));
       EXPECT_EQ(rim->coverage, 1);
       EXPECT_GT(rim->correlation, 0.999);
-      EXPECT_TRUE(same_rim(*rim, shape_of(*rim, 0.76)));
+      EXPECT_TRUE(same_rim(*rim, shape_of(*rim, 0.76, {rim->circle.x, rim->circle.y})));
     }
 }
 
@@ -47,7 +47,7 @@ TEST(RimSectors, OtherRoundThingsAreNotThePart) {
   const Picture part = scene_of(47.3, 48.6, 20, 150).render();
   const auto seen = measure_rim_sectors(part, {47, 48.5, 20}, 0.76);
   ASSERT_TRUE(seen);
-  const RimShape known = shape_of(*seen, 0.76);
+  const RimShape known = shape_of(*seen, 0.76, {seen->circle.x, seen->circle.y});
   const auto is_the_part = [&](const Picture& picture) {
     const auto rim = measure_rim_sectors(picture, {47, 48.5, 20}, 0.76);
     return rim && same_rim(*rim, known);

@@ -1,6 +1,4 @@
 // Parts that change their look as they turn: brushed metal under a lamp.
-#include "vision/tracking/rim_track.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
