@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::int64_t kLooks = 100;  ///< whole frames searched on the way, at most
 constexpr double kMargin = 8;         ///< px around the disc that the rim's fit sees
+constexpr double kLeastContrast = 4;  ///< grey levels
+constexpr double kClick = 2;          ///< px that the radius of a click may be off
 
 bool nearly_whole(const DiscFit& fit) {
   return fit.coverage >= DiscSearch{}.min_coverage;
@@ -25,6 +27,12 @@ bool clear(const DiscFit& fit) {
   const DiscSearch usual;
   return nearly_whole(fit) && std::abs(fit.contrast) >= usual.min_clarity * fit.residual_rms &&
          fit.blur <= usual.max_blur_share * fit.circle.radius;
+}
+
+/// Of about that radius, and more than what rounding or a coder leaves of an even ground, noiseless as it is.
+bool may_be(const DiscFit& fit, double radius) {
+  return std::abs(fit.circle.radius - radius) < std::max(kClick, radius / 3) &&
+         std::abs(fit.contrast) >= kLeastContrast;
 }
 
 /// A part that comes in over the edge is taken for the template once all its surroundings are seen.
@@ -43,7 +51,8 @@ std::optional<std::int64_t> arrival_at(FrameSource& source, std::int64_t first, 
   for (std::int64_t index = first; index <= last; ++index) {
     source.read(index, window, picture);
     const auto fit = fit_disc(picture, {place.x - window.x, place.y - window.y, place.radius}, capture);
-    if (fit && (index == first ? nearly_whole(*fit) : clear(*fit))) return index;
+    if (fit && may_be(*fit, place.radius) && (index == first ? nearly_whole(*fit) : clear(*fit)))
+      return index;
   }
   return std::nullopt;
 }

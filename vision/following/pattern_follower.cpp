@@ -229,7 +229,7 @@ std::optional<Sighting> PatternFollower::near(FrameSource& source, std::int64_t 
   const auto itself = [&](std::optional<Sighting> s) {
     if (!s || distance(s->position, predicted) <= own_radius() || !may_be_another(source, index, s->position))
       return within(s);
-    effort_.ended = index;
+    if (!s->by_rim) effort_.ended = index;  // a rim alone is not enough of a likeness to end a track by
     return std::optional<Sighting>();
   };
   if (rim_first())

@@ -276,6 +276,7 @@ constexpr double kSameRadius = 0.1;  ///< relative
 constexpr double kNearItsPlace =
     1;  ///< of its radius: no other disc can be so near, and platforms circle by less
 constexpr double kLeastNear = 10;  ///< px
+constexpr double kSameWay = 0.05;  ///< relative
 constexpr double kMoves = 0.5;     ///< px: noise and the search move a disc at rest by less
 
 DiscSearch all_discs() {
@@ -326,8 +327,18 @@ void follow(std::vector<SurveyedDisc>& discs, const std::vector<DiscFit>& found)
   for (SurveyedDisc* disc : gone) take(*disc, 1e9);
 }
 
+/// What lies within a larger disc and goes where it goes is on it: a highlight, a hole.
+bool carried(const SurveyedDisc& disc, const SurveyedDisc& by) {
+  return disc.circle.radius < by.circle.radius && distance(disc.circle, by.circle) < by.circle.radius &&
+         by.moved_px > kMoves && std::abs(disc.moved_px - by.moved_px) < kMoves + kSameWay * by.moved_px;
+}
+
 /// Roles by how far each moved; `discs` are best first.
 void assign_roles(std::vector<SurveyedDisc>& discs) {
+  const std::vector<SurveyedDisc> all = discs;
+  std::erase_if(discs, [&](const SurveyedDisc& d) {
+    return std::ranges::any_of(all, [&](const SurveyedDisc& other) { return carried(d, other); });
+  });
   const auto walks = [](const SurveyedDisc& d) { return d.moved_px > near(d.circle); };
   auto part = std::ranges::find_if(discs, walks);
   // Of several that walk, the largest: specks of dirt are small.

@@ -17,7 +17,7 @@ namespace {
 /// a lamp that is lit in 5 frames of each turn.
 struct Bench {
   double amplitude = 3, walk_px = 0.6;
-  bool mark = true, screw = true, lamp = false, speck = false;
+  bool mark = true, screw = true, lamp = false, speck = false, highlight = false;
   int frames = 150;
 
   Picture at(std::int64_t k) const {
@@ -27,6 +27,7 @@ struct Bench {
     scene.width = 240;
     scene.height = 160;
     scene.discs = {{60 + x + walk_px * static_cast<double>(k), 100 + y, 22, 0, 170, {}}};
+    if (highlight) scene.discs.push_back({65 + x + walk_px * static_cast<double>(k), 95 + y, 7, 0, 235, {}});
     if (mark) scene.discs.push_back({200 + x, 40 + y, 10, 0, 10, {}});
     if (screw) scene.discs.push_back({30, 30, 13, 0, 140, {}});
     if (speck) scene.discs.push_back({120 + x, 30 + y, 2.5, 0, 200, {}});
@@ -61,6 +62,17 @@ TEST(Survey, TellsPartMarkAndWhatRestsByHowTheyMove) {
   expect_circle(seen.discs[2].circle, 30, 30, 13);
   EXPECT_TRUE(seen.platform_moves());
   EXPECT_THAT(seen.lamps, testing::IsEmpty());
+}
+
+TEST(Survey, AHighlightOnThePartIsNotThePart) {
+  Bench bench;
+  bench.walk_px = 0.12;  // by less than the part's radius, by more than the highlight's
+  bench.highlight = true;
+  const Survey seen = bench.seen();
+  ASSERT_NE(seen.part(), nullptr);
+  expect_circle(seen.part()->circle, 63, 100, 22);
+  ASSERT_NE(seen.mark(), nullptr);
+  expect_circle(seen.mark()->circle, 203, 40, 10);
 }
 
 TEST(Survey, NothingMovesOnAPlatformAtRest) {

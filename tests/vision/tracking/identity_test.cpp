@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "vision/analytic_scene.h"
 #include "vision/frame_source.h"
 #include "vision/tracker.h"
 
@@ -202,6 +203,24 @@ TEST(GivenDisc, ThatArrivesLaterIsAwaitedAndThatIsSaid) {
   const TrackSummary summary = track(source, given({60.4, 60.2, 10})).summary;
   EXPECT_EQ(summary.ok, 50);
   EXPECT_THAT(summary.warnings, Contains(HasSubstr("before frame 30")));
+}
+
+/// A coder leaves steps of a level or two on an even ground, without noise.
+TEST(GivenDisc, IsNotWhatACoderLeavesOfAnEvenGround) {
+  std::vector<Picture> pictures;
+  for (int k = 0; k < 40; ++k) {
+    test::TestScene scene;
+    scene.width = 120;
+    scene.height = 80;
+    scene.discs = {{60, 40, k < 20 ? 5.0 : 8.0, 0, k < 20 ? 62.0 : 160.0, {}}};
+    Picture picture = scene.render();
+    for (float& level : picture.levels()) level = std::round(level);
+    pictures.push_back(std::move(picture));
+  }
+  MemorySource source(std::move(pictures), 100);
+  const TrackSummary summary = track(source, given({60, 40, 8})).summary;
+  EXPECT_EQ(summary.absent_at_first, 20);
+  EXPECT_EQ(summary.ok, 20);
 }
 
 /// A hand - dark, as large as the disc, textured - holds it in the first frames, then lets go and leaves.
