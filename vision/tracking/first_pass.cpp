@@ -11,7 +11,10 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::int64_t kRimFrames = 16;  ///< in which the rim is measured, about
+/// In how many frames the rim is measured, about: in fewer the longer it is.
+std::int64_t rim_frames(double radius) {
+  return static_cast<std::int64_t>(std::clamp(480 / std::max(1.0, radius), 4.0, 16.0));
+}
 
 /// The call's result, its time counted for a stage.
 template <class Call>
@@ -71,7 +74,7 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
       marker_(timed(
           clock, Stage::marker,
           [&] { return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc); })),
-      mean_radius_(setup_.disc, range.count() / kRimFrames, rim_) {
+      mean_radius_(setup_.disc, range.count() / rim_frames(setup_.disc.radius), rim_) {
   if (options.gate) lamp_.emplace(*options.gate, source);
   if (asks_ground(options)) {
     const auto running = clock.enter(Stage::marker);
