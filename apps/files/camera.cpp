@@ -128,7 +128,7 @@ Json written_marker(const CameraSection& camera) {
 CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd with_sd) {
   if (table.has("rehearse"))
     table.fail("rehearse",
-               "has left: standard deviations count what the coder may have done; leave the key out, and for "
+               "has left: standard deviations include what the codec may have done; leave the key out, and for "
                "smaller ones film uncompressed or FFV1");
   CameraSection camera;
   read_keys(table, camera_keys(), camera, folder, with_sd);

@@ -213,11 +213,11 @@ std::vector<std::string> differences(const std::string& name, const RunMeasureme
 
 std::string CodedMotion::sentence() const {
   return fmt::format(
-      "the coder ({}) shows the platform's motion {:.2g} % too small and {:.2g} rad late at the most: both "
-      "are "
-      "counted in the intervals{}",
+      "the codec ({}) attenuates the platform's motion by up to {:.2g} % and delays it by up to {:.2g} rad: "
+      "the "
+      "intervals include both{}",
       coder, 100 * attenuation, delay,
-      exceeds ? ", more than all else together: film uncompressed, or with every frame coded by itself" : "");
+      exceeds ? ", and both together dominate them: film uncompressed or all-intra" : "");
 }
 
 bool lamp_gave_phi(const fit::GateTiming& gate) {

@@ -204,6 +204,10 @@ ParameterText parameter_text(const std::string& key) {
       {"scale", {"scale", "", "factor on every measured length; 1 = as measured"}},
       {"tilt_x_rad", {"tilt<sub>x</sub>", "rad", "slope of the platform towards +x"}},
       {"tilt_y_rad", {"tilt<sub>y</sub>", "rad", "slope of the platform towards +y"}},
+      {"phi_rad", {"φ", "rad", "phase of the pulse"}},
+      {"dtau_rad", {"Δτ", "rad", "width of the pulse"}},
+      {"xi_axis_rad", {"camera axis", "rad", "direction of the displacement at the sensor’s pulse"}},
+      {"friction_law", {"friction law", "", "law of friction"}},
   };
   const auto found = known.find(key);
   return found != known.end() ? found->second : ParameterText{escape_html(key), "", ""};

@@ -117,12 +117,13 @@ std::string identifiability_text(const ReportData& data) {
   const std::vector<fit::NextExperiment> next = data.next_runs();
   if (judged.verdict != fit::Verdict::identifiable && !next.empty())
     html += "<p><b>Remedy:</b> " + sentence_html(next.front().sentence) + "</p>\n";
+  constexpr std::size_t kMostMinima = 3;
   std::vector<std::string> other_minima;
-  for (std::size_t k = 1; k < data.fit.minima.size(); ++k)
+  for (std::size_t k = 1; data.fit.dof > 0 && k < std::min(data.fit.minima.size(), 1 + kMostMinima); ++k)
     other_minima.push_back(data.fit.minima[k].sentence);
   if (!other_minima.empty())
     html +=
-        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals to quote hold "
+        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals to quote include "
         "them where they are within 95 %.</p>\n" +
         html_list(other_minima);
   return html;
@@ -205,7 +206,7 @@ std::string result_table(const ReportData& data) {
   if (!data.fitted()) return "";
   const auto& described = data.fit.as_assumed;
   std::string html = fmt::format(
-      "<table id=\"result\" class=\"result\"><thead><tr><th>Parameter</th><th>Value, and 95 % "
+      "<table id=\"result\" class=\"result\"><thead><tr><th>Parameter</th><th>Estimate, 95 % "
       "interval</th>{}</tr></thead><tbody>\n",
       described.empty() ? "" : "<th>as described, rejected</th>");
   for (const fit::ParameterEstimate& p : data.fit.parameters) {
@@ -221,8 +222,23 @@ std::string result_table(const ReportData& data) {
     html += "</tr>\n";
   }
   return html +
-         "</tbody></table>\n<p class=\"note\">In parentheses the standard deviation of the last "
+         "</tbody></table>\n<p class=\"note\">In parentheses the standard uncertainty, in the last "
          "digits.</p>\n";
+}
+
+/// What the values assume, and what to do next.
+std::string basis(const ReportData& data) {
+  if (!data.fitted()) return "";
+  std::string html = "<div class=\"basis\"><h2>It assumes</h2>\n" + html_list(assumptions(data));
+  std::vector<std::string> steps;
+  if (data.fit.verdict != fit::Use::do_not_use && !data.fit.improve_first.empty())
+    steps.push_back(data.fit.improve_first);
+  if (const auto next = data.next_runs(); !next.empty()) steps.push_back(next.front().sentence);
+  std::string list;
+  if (data.fit.verdict == fit::Use::do_not_use)
+    list = "<li>Find out what is wrong: <a href=\"#check\">does the model describe the data?</a></li>";
+  for (const std::string& step : steps) list += "<li>" + sentence_html(step) + "</li>";
+  return html + (list.empty() ? "" : "<h2>Next</h2>\n<ul>" + list + "</ul>\n") + "</div>\n";
 }
 
 }  // namespace
@@ -235,8 +251,8 @@ std::string first_figure(const std::vector<Figure>& figures) {
 
 std::string first_screen(const ReportData& data, const std::vector<Figure>& figures) {
   const std::string figure = figure_box(figures, first_figure(figures)), picture = first_picture(data);
-  std::string html =
-      verdict_box(data) + "<div class=\"first\">\n<div class=\"values\">" + result_table(data) + "</div>\n";
+  std::string html = verdict_box(data) + "<div class=\"first\">\n<div class=\"values\">" +
+                     result_table(data) + "</div>\n" + basis(data);
   if (!picture.empty()) html += "<div class=\"picture\">" + picture + "</div>\n";
   if (!figure.empty()) html += "<div class=\"seen\">" + figure + "</div>\n";
   return html + "</div>\n" + warning_box(data);

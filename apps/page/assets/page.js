@@ -68,6 +68,48 @@
     window.print();
   }
 
+  // A .zip of texts, stored as they are (PKWARE's APPNOTE 6.3: local headers, directory, end).
+  function zip_of(files) {
+    const table = Array.from({ length: 256 }, function (v, n) {
+      for (let k = 0; k < 8; ++k) n = n & 1 ? 0xedb88320 ^ (n >>> 1) : n >>> 1;
+      return n >>> 0;
+    });
+    const numbers = function (fields) {  // [value, bytes]..., the lowest byte first
+      return Uint8Array.from(fields.flatMap(function (field) {
+        return Array.from({ length: field[1] }, function (v, k) { return (field[0] >>> (8 * k)) & 255; });
+      }));
+    };
+    const parts = [], directory = [];
+    let at = 0;
+    files.forEach(function (file) {
+      const name = new TextEncoder().encode(file[0]), bytes = new TextEncoder().encode(file[1]);
+      const crc = (bytes.reduce(function (c, b) { return table[(c ^ b) & 255] ^ (c >>> 8); }, -1) ^ -1) >>> 0;
+      const head = [[20, 2], [0x800, 2], [0, 2], [0, 2], [0x21, 2], [crc, 4], [bytes.length, 4], [bytes.length, 4], [name.length, 2], [0, 2]];
+      parts.push(numbers([[0x04034b50, 4], ...head]), name, bytes);
+      directory.push(numbers([[0x02014b50, 4], [20, 2], ...head, [0, 2], [0, 2], [0, 2], [0, 4], [at, 4]]), name);
+      at += 30 + name.length + bytes.length;
+    });
+    const length = directory.reduce(function (sum, part) { return sum + part.length; }, 0);
+    const end = numbers([[0x06054b50, 4], [0, 2], [0, 2], [files.length, 2], [files.length, 2], [length, 4], [at, 4], [0, 2]]);
+    return new Blob([...parts, ...directory, end], { type: "application/zip" });
+  }
+
+  // Every figure as SVG and CSV, every table as CSV.
+  function everything() {
+    const tables = Array.from(document.querySelectorAll("table[id]"), function (table) { return [table.id + ".csv", table_csv(table)]; });
+    const ids = TribotrackFigures.ids();
+    const numbers = ids.map(function (id) { return [id + ".csv", TribotrackFigures.csv_of(id)]; });
+    return Promise.all(ids.map(function (id) { return TribotrackFigures.svg_of(id); })).then(function (texts) {
+      return zip_of([...tables, ...numbers, ...texts.map(function (text, k) { return [ids[k] + ".svg", text]; })]);
+    });
+  }
+  const all = document.createElement("button");
+  all.type = "button";
+  all.id = "download-all";
+  all.textContent = "Download all figures and tables";
+  all.addEventListener("click", function () { everything().then(function (zip) { save("all.zip", "application/zip", zip); }); });
+  document.querySelector("h1").before(all);
+
   function tools(what, actions) {
     const bar = document.createElement("div");
     bar.className = "tools";

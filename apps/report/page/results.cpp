@@ -37,19 +37,19 @@ std::string slide_table(const fit::FitResult& fit) {
   if (fit.slides.empty()) return "";
   std::string html =
       "<div class=\"wide\"><table id=\"slide-table\" class=\"compact\"><thead><tr><th>slide</th><th "
-      "class=\"n\">μ<sub>1</sub></th><th class=\"n\">95 % interval</th><th class=\"n\">rim speed / slide "
+      "class=\"n\">μ<sub>1</sub></th><th class=\"n\">95 % interval</th><th class=\"n\">edge speed / sliding "
       "speed</th><th class=\"n\">χ² / d.o.f.</th><th class=\"n\">frames used</th><th>blow or "
       "collision</th></tr></thead><tbody>";
   for (const fit::SlideResult& slide : fit.slides) html += slide_row(slide);
   html += "</tbody></table></div>\n";
   html +=
-      "<p class=\"note\">A spinning disc is braked less; where its turning is seen, that is counted. Where "
-      "not, “half” says how much larger μ<sub>1</sub> would be had the rim moved half as fast as the part "
-      "slid.";
+      "<p class=\"note\">A spinning disc decelerates more slowly; the fit accounts for it if the rotation is "
+      "measured. If not, “half” says how much larger μ<sub>1</sub> would be with an edge speed of half the "
+      "sliding speed.";
   if (fit.slides.size() > 1)
     html += fmt::format(
         " Between slides μ<sub>1</sub> scatters with a standard deviation of {} ({}); the interval of "
-        "the mean counts it, by Student’s t of {} degrees of freedom.",
+        "the mean includes it, by Student’s t with {} degrees of freedom.",
         number(fit.between_slides, 2),
         fit.between_slides_p_value < 0.05
             ? "more than chance explains, p = " + number(fit.between_slides_p_value, 2)
@@ -66,7 +66,13 @@ PageSection dependence_section(const ReportData& data, const std::vector<Figure>
   std::string boxes;
   for (const char* id : {"alpha-phi", "alpha-dtau", "v-phi", "v-dtau", "trajectories"})
     boxes += box_unless(figures, id, shown);
-  if (!boxes.empty()) section.html = "<div class=\"pair\">\n" + boxes + "</div>\n";
+  if (!data.over_phi.empty() || !data.over_dtau.empty())
+    section.html =
+        "<p class=\"caption\">Points: measured, with one standard uncertainty. Lines: the model at the "
+        "fitted "
+        "parameters, with its 95 % band. Below: measured minus modelled, divided by the standard deviation "
+        "that χ² uses; 19 of 20 are expected in the grey stripe.</p>\n";
+  if (!boxes.empty()) section.html += "<div class=\"pair\">\n" + boxes + "</div>\n";
   if (shown.starts_with("alpha-"))
     section.html += fmt::format(
         "<p class=\"note\">The <a href=\"#figure-{}\">first figure of this page</a> belongs here, "
@@ -158,7 +164,7 @@ std::string interval_table(const ReportData& data) {
   std::string html = fmt::format(
       "<div class=\"wide\"><table id=\"parameter-table\" "
       "class=\"parameters{}\"><thead><tr><th>Parameter</th><th "
-      "class=\"n\">Value (sd of the last digits)</th>",
+      "class=\"n\">Estimate (standard uncertainty)</th>",
       columns.size() > 2 ? " many" : "");
   for (const IntervalColumn& column : columns) html += fmt::format("<th class=\"n\">{}</th>", column.heading);
   html += "<th>Unit</th><th>What it is</th></tr></thead><tbody>\n";

@@ -77,6 +77,7 @@ const std::vector<Column>& columns() {
       {"frames_ok", [](const ReportRun& run) { return std::to_string(run.frames_ok()); }},
       counts("frames_lost", &Track::lost),
       counts("frames_edge", &Track::edge),
+      counts("frames_repeated", &Track::repeats),
       {"frame_rate_hz",
        [](const ReportRun& run) { return exact(run.track.frame_rate_hz.value_or(no_value)); }},
       numbers("sigma_px", &ReportRun::sigma_px),
@@ -152,7 +153,8 @@ std::string budget(const fit::FitResult& fit) {
     text += "\n";
   }
   if (text.empty()) return "";
-  std::string head = fmt::format("uncertainty budget, sd given to each parameter\n  {:<34}", "source");
+  std::string head =
+      fmt::format("uncertainty budget, contributions to the standard uncertainties\n  {:<34}", "source");
   for (const fit::ParameterEstimate& p : fit.parameters)
     head += fmt::format(" {:>14}", fit::to_string(p.parameter));
   return head + "\n" + text + "\n";
@@ -164,8 +166,8 @@ std::string report_text(const ReportData& data) {
   std::string text = data.title + "\n" + subtitle_of(data) + "\n\n" + plain_text(verdict_of(data).heading) +
                      ". " + plain_text(verdict_of(data).paragraph) + "\n\n";
   if (data.fitted())
-    text += "parameters: value(sd of the last digits)\n" + values(data.fit) + goodness_text(data.fit) + "\n" +
-            budget(data.fit);
+    text += "parameters: estimate(standard uncertainty in the last digits)\n" + values(data.fit) +
+            goodness_text(data.fit) + "\n" + budget(data.fit);
   if (!data.warnings.empty()) {
     text += "warnings\n";
     for (const std::string& warning : data.warnings) text += "  - " + warning + "\n";
@@ -183,8 +185,9 @@ constexpr double fit_rejects =
 
 /// "in 6.9 of 100 campaigns".
 std::string how_often(double probability) {
-  return probability < 1e-3 ? "in fewer than one of 1000 campaigns"
-                            : fmt::format("in {} of 100 campaigns", number(100 * probability, 2));
+  if (probability < 1e-3) return "in fewer than one of 1000 campaigns";
+  if (probability > 0.1) return fmt::format("in {:.0f} of 100 campaigns", 100 * probability);
+  return fmt::format("in {} of 100 campaigns", number(100 * probability, 2));
 }
 
 /// For a table. A probability that underflows is small, not zero.
@@ -209,12 +212,11 @@ std::string goodness(const fit::FitResult& fit) {
   html += "</p>\n";
   if (std::isfinite(fit.p_value) && fit.dof > 0)
     html += fmt::format(
-        "<p><b>p {}</b>: {}chance alone would make χ² so large {}. Below p = {} the data are taken to "
-        "contradict the "
-        "model{}.</p>\n",
+        "<p><b>p {}</b>: {}chance alone would make χ² so large {}. The model would be rejected below p = {}; "
+        "it is{}.</p>\n",
         fit.p_value > 0 ? "= " + number(fit.p_value, 2) : "&lt; 1e-300",
         fit.scatter > 0 ? "without the scatter estimated from the residuals, " : "", how_often(fit.p_value),
-        number(fit_rejects, 1), fit.p_value < fit_rejects ? ": they do" : ": they do not");
+        number(fit_rejects, 1), fit.p_value < fit_rejects ? "" : " not");
   return html;
 }
 
@@ -373,16 +375,16 @@ std::string budget_table(const fit::FitResult& fit) {
   if (!fit.improve_first.empty()) html += "<p>" + sentence_html(fit.improve_first) + "</p>\n";
   html +=
       "<div class=\"wide\"><table id=\"budget-table\" class=\"budget\"><thead><tr><th>Source</th><th "
-      "class=\"n\">Its standard deviation</th><th>From</th>";
+      "class=\"n\">Standard uncertainty u(x)</th><th>Evaluated from</th>";
   for (const fit::ParameterEstimate& p : fit.parameters) {
     const ParameterText shown = parameter_text(p.parameter);
-    html +=
-        fmt::format("<th class=\"n\">{}{}</th>", shown.symbol, shown.unit.empty() ? "" : ", " + shown.unit);
+    html += fmt::format("<th class=\"n\">u({}){}</th>", shown.symbol,
+                        shown.unit.empty() ? "" : ", " + shown.unit);
   }
   html += "</tr></thead><tbody>\n";
   for (const fit::BudgetEntry& entry : fit.budget)
     if (entry.counted) html += row(fit, entry);
-  html += "<tr><th>All together</th><td></td><td></td>";
+  html += "<tr><th>Combined</th><td></td><td></td>";
   for (const fit::ParameterEstimate& p : fit.parameters) html += number_cell(rounded(p.sd, p.sd));
   html += "</tr>\n";
   bool exact = false;
@@ -392,13 +394,13 @@ std::string budget_table(const fit::FitResult& fit) {
     exact = true;
   }
   html +=
-      "</tbody></table></div>\n<p class=\"note\">What each source gives to the standard deviation of a "
-      "parameter (JCGM 100); the squares add up. A bar is as long as its share of the whole.";
+      "</tbody></table></div>\n<p class=\"note\">Contribution of each source to the combined standard "
+      "uncertainty "
+      "of each parameter (JCGM 100): the squares add up. The length of a bar is its share.";
   if (exact)
     html +=
-        " What was taken as exact is not counted: the rows in grey say what an error as large as stated "
-        "would "
-        "add; give its standard deviation (the key with <code>_sd</code>) to count it.";
+        " What was taken as exact is not included: the rows in grey say what an error as large as stated "
+        "would add; give its standard uncertainty (the key with <code>_sd</code>) to include it.";
   return html + "</p>\n";
 }
 
