@@ -8,7 +8,8 @@ namespace tribotrack::apps {
 
 std::string campaign_reference() {
   std::string text =
-      "A campaign is a TOML file: a lab's recordings and what is to be estimated from them. Units stand in the "
+      "A campaign is a TOML file: a lab's recordings and what is to be estimated from them. Units stand in "
+      "the "
       "names of keys.\nAngles are radians, or texts such as \"11pi/9\", \"-pi/2\", \"90deg\". KEY_sd is a "
       "standard deviation. Nothing typed is exact:\na quantity without one has that of its last digit or of "
       "the trade, the larger (A 0.5 %, A_y/A 1 %, w 1e-4, epsilon\n1 deg, level 2 mrad, inclines 0.1 deg, "

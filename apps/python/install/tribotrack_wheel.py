@@ -73,6 +73,6 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 def _add(wheel, path, data):
     """Readable, and the program executable."""
     entry = zipfile.ZipInfo(path)
-    entry.external_attr = (0o755 if "/scripts/" in path else 0o644) << 16
+    entry.external_attr = (0o100755 if "/scripts/" in path else 0o100644) << 16
     entry.compress_type = zipfile.ZIP_DEFLATED
     wheel.writestr(entry, data)

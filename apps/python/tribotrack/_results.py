@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import html
 import math
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, Optional
 
 if TYPE_CHECKING:
@@ -56,9 +57,7 @@ class Result(dict[str, Any]):
 
     def to_dataframe(self) -> Any:
         """A pandas DataFrame."""
-        import pandas
-
-        return pandas.DataFrame(self._columns())
+        return import_module("pandas").DataFrame(self._columns())
 
 
 class Simulation(Result):
@@ -157,8 +156,7 @@ class Sweep(Result):
 
     def plot(self) -> Any:
         """alpha and v against the first name, a line for each value of the second. Returns the figure."""
-        import matplotlib.pyplot as plt
-
+        plt = import_module("matplotlib.pyplot")
         figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
         first, *second = self._axes()
         for ax, name in zip(axes, ("alpha_rad", "v_mm_s")):
@@ -204,7 +202,7 @@ class Fit(Result):
         return "\n".join(lines)
 
     def _rows(self) -> list[tuple[str, ...]]:
-        rows = [("parameter", "value(sd)", "95 % interval")]
+        rows: list[tuple[str, ...]] = [("parameter", "value(sd)", "95 % interval")]
         for name, p in self.parameters.items():
             digits = _digits(p.sd)
             rows.append((name, quoted(p.estimate, p.sd), " to ".join("open" if end is None else f"{end:.{digits}f}" for end in p.ci95)))
@@ -222,8 +220,7 @@ class Fit(Result):
 
     def plot(self) -> Any:
         """alpha and v of the driven runs, measured and modelled, against phi, or dtau where that varies more. Returns the figure."""
-        import matplotlib.pyplot as plt
-
+        plt = import_module("matplotlib.pyplot")
         runs = [run for run in self.runs if run.get("phi_rad") is not None]
         over = max(("phi_rad", "dtau_rad"), key=lambda name: len({run[name] for run in runs}))
         figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
@@ -262,8 +259,7 @@ def _short(value: Optional[float]) -> str:
 
 def _path(result: Result, names: tuple[str, str], axes: Any) -> Any:
     if axes is None:
-        import matplotlib.pyplot as plt
-
+        plt = import_module("matplotlib.pyplot")
         axes = plt.subplots()[1]
     axes.plot(result[names[0]], result[names[1]], lw=1)
     axes.set(xlabel=names[0], ylabel=names[1], aspect="equal")

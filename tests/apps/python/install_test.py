@@ -20,7 +20,7 @@ class Install(ProgramTest):
             (["pip", "install", "--no-index", "--disable-pip-version-check", SOURCE / "apps/python"], "Successfully installed tribotrack-"),
             (["python", "-c", "import tribotrack; print(tribotrack.__file__, tribotrack.simulate(cycles=1).cycles)"], f"{venv}/lib"),
             (["tribotrack", "--version"], "tribotrack "),
-            (["pip", "check"], "No broken requirements"),
+            (["pip", "show", "tribotrack"], "Requires: numpy"),
         ]:
             done = subprocess.run([venv / "bin" / command[0], *command[1:]], capture_output=True, text=True, check=False, cwd=self.folder,
                                   env={"PATH": "/usr/bin:/bin", "HOME": str(self.folder)})
