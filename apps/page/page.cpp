@@ -54,6 +54,16 @@ std::string number_cell(const std::string& html) {
   return fmt::format("<td class=\"n\">{}</td>", html);
 }
 
+std::string table(const std::string& id, const std::string& classes, const std::vector<std::string>& headings,
+                  const std::string& rows) {
+  std::string html = fmt::format(R"(<div class="wide"><table id="{}" class="{}"><thead><tr>)", id, classes);
+  for (const std::string& heading : headings)
+    html += heading.empty()            ? "<td></td>"
+            : heading.starts_with('>') ? "<th class=\"n\">" + heading.substr(1) + "</th>"
+                                       : "<th>" + heading + "</th>";
+  return html + "</tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
+}
+
 namespace {
 
 /// A true minus sign, which a page does not break a line after.

@@ -56,13 +56,9 @@ std::string condition_table(const ReportData& data) {
   std::string rows;
   for (const ReportCondition& c : data.conditions) rows += condition_row(c);
   if (rows.empty()) return "";
-  return "<h3>Conditions: given, measured, used</h3>\n<div class=\"wide\"><table id=\"conditions\" "
-         "class=\"compact "
-         "conditions\"><thead><tr><th>Quantity</th><th class=\"n\">given</th><th class=\"n\">measured, all "
-         "runs "
-         "pooled</th><th class=\"n\">difference</th><th "
-         "class=\"n\">used</th><th>from</th></tr></thead><tbody>\n" +
-         rows + "</tbody></table></div>\n";
+  return "<h3>Conditions: given, measured, used</h3>\n" +
+         table("conditions", "compact conditions",
+               {"Quantity", ">given", ">measured, all runs pooled", ">difference", ">used", "from"}, rows);
 }
 
 /// Blue below, orange above: distinct to colour-blind eyes, and the number stands in the cell.
@@ -76,12 +72,10 @@ std::string correlation_table(const ReportData& data) {
   const auto& parameters = data.fit.parameters;
   const auto n = static_cast<Eigen::Index>(parameters.size());
   if (n < 2 || data.fit.correlation.rows() != n) return "";
-  std::string html =
-      "<h3>Correlation of the parameters</h3>\n<div class=\"wide\"><table id=\"correlation\" "
-      "class=\"compact correlation\"><thead><tr><td></td>";
+  std::vector<std::string> headings = {""};
   for (const fit::ParameterEstimate& p : parameters)
-    html += "<th class=\"n\">" + parameter_text(p.parameter).symbol + "</th>";
-  html += "</tr></thead><tbody>";
+    headings.push_back(">" + parameter_text(p.parameter).symbol);
+  std::string html;
   for (Eigen::Index i = 0; i < n; ++i) {
     html += "<tr><th>" + parameter_text(parameters[static_cast<std::size_t>(i)].parameter).symbol + "</th>";
     for (Eigen::Index k = 0; k < n; ++k) {
@@ -92,10 +86,10 @@ std::string correlation_table(const ReportData& data) {
     }
     html += "</tr>";
   }
-  return html +
-         "</tbody></table></div>\n<p class=\"note\">Near +1 or −1, an error in one parameter is compensated "
-         "by "
-         "the other: only their combination is known well.</p>\n";
+  return "<h3>Correlation of the parameters</h3>\n" +
+         table("correlation", "compact correlation", headings, html) +
+         "<p class=\"note\">Near +1 or −1, an error in one parameter is compensated by the other: only their "
+         "combination is known well.</p>\n";
 }
 
 std::string identifiability_text(const ReportData& data) {

@@ -242,7 +242,6 @@ const TribotrackFigures = (function () {
   // An A4 sheet without its margins is 695 px wide.
   function width_on_paper(id) {
     const box = box_of(id);
-    if (box.closest(".alone")) return 695;
     return box.closest(".pair") ? 338 : box.closest(".first") ? 285 : Math.round(695 * Math.min(1, figures.get(id).width || 1));
   }
 

@@ -55,19 +55,6 @@
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + new XMLSerializer().serializeToString(copy);
   }
 
-  // Prints one part of the page by itself: "Save as PDF" in the browser's dialogue.
-  function print_alone(element) {
-    const parts = [];
-    for (let part = element; part && part !== document.body; part = part.parentElement) parts.push(part);
-    parts.forEach(function (part) { part.classList.add("alone"); });
-    root.classList.add("print-alone");
-    addEventListener("afterprint", function () {
-      root.classList.remove("print-alone");
-      parts.forEach(function (part) { part.classList.remove("alone"); });
-    }, { once: true });
-    window.print();
-  }
-
   // A .zip of texts, stored as they are (PKWARE's APPNOTE 6.3: local headers, directory, end).
   function zip_of(files) {
     const table = Array.from({ length: 256 }, function (v, n) {
@@ -135,16 +122,14 @@
       ["CSV", function () { save(id + ".csv", "text/csv", TribotrackFigures.csv_of(id)); }],
       ["SVG", function () {
         TribotrackFigures.svg_of(id).then(function (svg) { save(id + ".svg", "image/svg+xml", svg); });
-      }],
-      ["PDF", function () { print_alone(figure); }]]));
+      }]]));
   });
 
   document.querySelectorAll("figure.frame").forEach(function (figure) {
     const svg = figure.querySelector("svg"), name = figure.id;
     figure.append(tools("the picture of " + title_of(figure), [
       ["CSV", function () { save(name + ".csv", "text/csv", path_csv(svg)); }],
-      ["SVG", function () { save(name + ".svg", "image/svg+xml", svg_text(svg)); }],
-      ["PDF", function () { print_alone(figure); }]]));
+      ["SVG", function () { save(name + ".svg", "image/svg+xml", svg_text(svg)); }]]));
     const enlarge = function () { figure.classList.toggle("big"); };
     svg.addEventListener("click", enlarge);
     const bar = figure.querySelector(".tools"), button = document.createElement("button");
@@ -158,8 +143,7 @@
   document.querySelectorAll("table[id]").forEach(function (table) {
     const name = table.id, holder = table.closest(".wide") || table;
     holder.after(tools("table " + name, [
-      ["CSV", function () { save(name + ".csv", "text/csv", table_csv(table)); }],
-      ["PDF", function () { print_alone(holder); }]]));
+      ["CSV", function () { save(name + ".csv", "text/csv", table_csv(table)); }]]));
   });
 
   // A table's rows in the order of a column: by its numbers where it has them.
@@ -219,8 +203,7 @@
 
   const opened_for_print = [];
   addEventListener("beforeprint", function () {
-    if (!root.classList.contains("print-alone"))
-      document.querySelectorAll("details.print:not([open])").forEach(function (d) { d.open = true; opened_for_print.push(d); });
+    document.querySelectorAll("details.print:not([open])").forEach(function (d) { d.open = true; opened_for_print.push(d); });
     TribotrackFigures.for_print(true);
   });
   addEventListener("afterprint", function () {

@@ -35,13 +35,12 @@ std::string slide_row(const fit::SlideResult& s) {
 /// mu1 slide by slide, and whether they differ by chance.
 std::string slide_table(const fit::FitResult& fit) {
   if (fit.slides.empty()) return "";
-  std::string html =
-      "<div class=\"wide\"><table id=\"slide-table\" class=\"compact\"><thead><tr><th>slide</th><th "
-      "class=\"n\">μ<sub>1</sub></th><th class=\"n\">95 % interval</th><th class=\"n\">edge speed / sliding "
-      "speed</th><th class=\"n\">χ² / d.o.f.</th><th class=\"n\">frames used</th><th>blow or "
-      "collision</th></tr></thead><tbody>";
-  for (const fit::SlideResult& slide : fit.slides) html += slide_row(slide);
-  html += "</tbody></table></div>\n";
+  std::string rows;
+  for (const fit::SlideResult& slide : fit.slides) rows += slide_row(slide);
+  std::string html = table("slide-table", "compact",
+                           {"slide", ">μ<sub>1</sub>", ">95 % interval", ">edge speed / sliding speed",
+                            ">χ² / d.o.f.", ">frames used", "blow or collision"},
+                           rows);
   html +=
       "<p class=\"note\">A spinning disc decelerates more slowly; the fit accounts for it if the rotation is "
       "measured. If not, “half” says how much larger μ<sub>1</sub> would be with an edge speed of half the "
@@ -161,13 +160,10 @@ std::string interval_note(const ReportData& data, const std::vector<IntervalColu
 
 std::string interval_table(const ReportData& data) {
   const std::vector<IntervalColumn> columns = interval_columns(data);
-  std::string html = fmt::format(
-      "<div class=\"wide\"><table id=\"parameter-table\" "
-      "class=\"parameters{}\"><thead><tr><th>Parameter</th><th "
-      "class=\"n\">Estimate (standard uncertainty)</th>",
-      columns.size() > 2 ? " many" : "");
-  for (const IntervalColumn& column : columns) html += fmt::format("<th class=\"n\">{}</th>", column.heading);
-  html += "<th>Unit</th><th>What it is</th></tr></thead><tbody>\n";
+  std::vector<std::string> headings = {"Parameter", ">Estimate (standard uncertainty)"};
+  for (const IntervalColumn& column : columns) headings.push_back(fmt::format(">{}", column.heading));
+  headings.insert(headings.end(), {"Unit", "What it is"});
+  std::string html;
   for (const fit::ParameterEstimate& p : data.fit.parameters) {
     const ParameterText shown = parameter_text(p.parameter);
     html += "<tr><th>" + shown.symbol + "</th>" +
@@ -180,7 +176,8 @@ std::string interval_table(const ReportData& data) {
               "</td>";
     html += cell(shown.unit.empty() ? "1" : shown.unit) + cell(shown.meaning) + "</tr>\n";
   }
-  return html + "</tbody></table></div>\n" + interval_note(data, columns);
+  return table("parameter-table", columns.size() > 2 ? "parameters many" : "parameters", headings, html) +
+         interval_note(data, columns);
 }
 
 namespace {
@@ -216,16 +213,12 @@ std::string interval(const fit::Interval& range) {
 }
 
 std::string next_table(const ReportData& data) {
-  std::string html =
-      "<div class=\"wide\"><table id=\"next-runs\" class=\"next\"><thead><tr><th>Best for</th><th "
-      "class=\"n\">φ</th><th "
-      "class=\"n\">Δτ</th><th class=\"n\">A, mm</th><th class=\"n\">ω, rad/s</th>";
+  std::vector<std::string> headings = {"Best for", ">φ", ">Δτ", ">A, mm", ">ω, rad/s"};
   for (const fit::ParameterEstimate& p : data.fit.parameters) {
     const ParameterText shown = parameter_text(p.parameter);
-    html += fmt::format("<th class=\"n\">{}{}</th>", shown.symbol,
-                        shown.unit.empty() ? "" : fmt::format(", {}", shown.unit));
+    headings.push_back(">" + shown.symbol + (shown.unit.empty() ? "" : ", " + shown.unit));
   }
-  html += "</tr></thead><tbody>\n<tr><td>the runs so far</td><td></td><td></td><td></td><td></td>";
+  std::string html = "<tr><td>the runs so far</td><td></td><td></td><td></td><td></td>";
   for (const fit::ParameterEstimate& p : data.fit.parameters) html += number_cell(interval(p.ci95));
   html += "</tr>\n";
   for (const Row& row : rows_of(data.next_runs())) {
@@ -238,10 +231,10 @@ std::string next_table(const ReportData& data) {
     }
     html += "</tr>\n";
   }
-  html +=
-      "</tbody></table></div>\n<p class=\"note\">95 % intervals now, and as predicted with one more run, "
-      "measured as well as those so far. A run at another A or ω helps only if the platform can be driven "
-      "so.";
+  html = table("next-runs", "next", headings, html) +
+         "<p class=\"note\">95 % intervals now, and as predicted with one more run, measured as well as "
+         "those so far. "
+         "A run at another A or ω helps only if the platform can be driven so.";
   if (data.fit.identifiability.verdict == fit::Verdict::not_identifiable)
     html +=
         " The prediction assumes the values above, which these runs do not determine: the widths of the "

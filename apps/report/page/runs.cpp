@@ -114,16 +114,14 @@ PageSection run_section(const ReportData& data) {
   PageSection section{"runs", "Runs", "", true};
   if (data.runs.empty()) return section;
   std::string& html = section.html;
-  html =
-      "<div class=\"wide\"><table id=\"run-table\" class=\"runs sortable\"><thead><tr><th "
-      "class=\"n\">#</th><th>Run</th><th "
-      "class=\"n\">φ</th><th class=\"n\">Δτ</th><th class=\"n\">α, rad</th><th class=\"n\">model</th><th "
-      "class=\"n\">v, mm/s</th><th class=\"n\">model</th><th class=\"n\">cycles</th><th class=\"n\">frames "
-      "found / lost / edge / repeated</th><th class=\"n\">σ, px</th><th>Frame rate "
-      "from</th></tr></thead><tbody>\n";
-  for (std::size_t i = 0; i < data.runs.size(); ++i) html += run_row(data.runs[i], i);
+  std::string rows;
+  for (std::size_t i = 0; i < data.runs.size(); ++i) rows += run_row(data.runs[i], i);
+  html = table("run-table", "runs sortable",
+               {">#", "Run", ">φ", ">Δτ", ">α, rad", ">model", ">v, mm/s", ">model", ">cycles",
+                ">frames found / lost / edge / repeated", ">σ, px", "Frame rate from"},
+               rows);
   html +=
-      "</tbody></table></div>\n<p class=\"note\">In parentheses one standard uncertainty, in the last "
+      "<p class=\"note\">In parentheses one standard uncertainty, in the last "
       "digits. "
       "α: direction "
       "of the displacement, counter-clockwise from the platform’s x axis; v: mean velocity over the whole "
@@ -182,13 +180,11 @@ PageSection audit_section(const ReportData& data) {
   }
   if (rows.empty()) return section;
   section.html =
-      "<div class=\"wide\"><table id=\"audit-table\" class=\"compact\"><thead><tr><th "
-      "class=\"n\">#</th><th>Run</th><th class=\"n\">left / "
-      "right</th><th class=\"n\">top / bottom</th><th class=\"n\">frame to frame</th><th "
-      "class=\"n\">lag 1</th><th class=\"n\">σ widened by</th><th class=\"n\">correlated error added, "
-      "px</th></tr></thead><tbody>\n" +
-      rows +
-      "</tbody></table></div>\n<p class=\"note\">Ratios of the observed scatter to what the tracking’s own "
+      table("audit-table", "compact",
+            {">#", "Run", ">left / right", ">top / bottom", ">frame to frame", ">lag 1", ">σ widened by",
+             ">correlated error added, px"},
+            rows) +
+      "<p class=\"note\">Ratios of the observed scatter to what the tracking’s own "
       "standard deviations predict; 1: as predicted. The first two are split-half tests: positions from "
       "complementary halves of the part’s pixels. Frame to frame: scatter of consecutive positions where the "
       "motion is slow. Lag 1: correlation of consecutive errors, 0 for white noise. The σ of all tables are "

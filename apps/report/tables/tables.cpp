@@ -229,12 +229,9 @@ std::string outlier_table(const ReportData& data) {
   if (outliers.empty()) return "";
   const bool mislabelled = std::ranges::any_of(
       outliers, [](const fit::Outlier& outlier) { return outlier.looks_like_phi.has_value(); });
-  std::string html =
-      "<h3>Runs that contradict the others</h3>\n<p>Each is compared with the fit to all other runs; check "
-      "its φ, Δτ and label, or leave it out.</p>\n<div class=\"wide\"><table id=\"outliers\" class=\"compact "
-      "outliers\"><thead><tr><th>Run</th><th class=\"n\">deviation</th><th class=\"n\">probability</th>";
-  if (mislabelled) html += "<th class=\"n\">φ as given</th><th class=\"n\">φ that would fit</th>";
-  html += "</tr></thead><tbody>";
+  std::vector<std::string> headings = {"Run", ">deviation", ">probability"};
+  if (mislabelled) headings.insert(headings.end(), {">φ as given", ">φ that would fit"});
+  std::string html;
   for (const fit::Outlier& outlier : outliers) {
     html += "<tr>" + cell("<b>" + escape_html(outlier.run) + "</b>") +
             number_cell(number(outlier.deviation, 2) + " σ") + number_cell(chance(outlier.chance));
@@ -246,7 +243,10 @@ std::string outlier_table(const ReportData& data) {
     }
     html += "</tr>";
   }
-  return html + "</tbody></table></div>\n";
+  return "<h3>Runs that contradict the others</h3>\n<p>Each is compared with the fit to all other runs; "
+         "check its φ, "
+         "Δτ and label, or leave it out.</p>\n" +
+         table("outliers", "compact outliers", headings, html);
 }
 
 std::string outlying_points(const ReportData& data) {
@@ -275,13 +275,11 @@ std::string prediction_table(const ReportData& data) {
     rows += number_cell(chance(run.fitted.prediction->p_value)) + "</tr>";
   }
   if (rows.empty()) return "";
-  return "<h3>Runs kept out of the fit</h3>\n<p>What the fit to the others predicts of them, against what "
-         "was "
-         "measured; in parentheses the standard deviation of both together.</p>\n<div class=\"wide\"><table "
-         "id=\"predictions\" class=\"compact\"><thead><tr><th>Run</th><th class=\"n\">α, rad</th><th "
-         "class=\"n\">predicted</th><th class=\"n\">v, mm/s</th><th class=\"n\">predicted</th><th "
-         "class=\"n\">probability</th></tr></thead><tbody>" +
-         rows + "</tbody></table></div>\n";
+  return "<h3>Runs kept out of the fit</h3>\n<p>What the fit to the others predicts, against what was "
+         "measured; in "
+         "parentheses the standard uncertainty of both together.</p>\n" +
+         table("predictions", "compact",
+               {"Run", ">α, rad", ">predicted", ">v, mm/s", ">predicted", ">probability"}, rows);
 }
 
 /// "0.0995(10)" of a parameter under an explanation.
@@ -295,17 +293,11 @@ std::string cell_of(const std::map<fit::FitParameter, fit::EstimateUnder>& under
 std::string explanation_table(const fit::FitResult& fit) {
   constexpr std::size_t kMostShown = 8;
   if (fit.explanations.empty()) return "";
-  std::string html =
-      "<h3>What would explain the residuals</h3>\n<p>Each row sets free what the fit takes as exact, or "
-      "knows "
-      "to an uncertainty only: by how much χ² falls, the probability that is left, how large it would have "
-      "to "
-      "be, and the parameters under it. Rows that were not fitted again are to first order.</p>\n<div "
-      "class=\"wide\"><table id=\"explanations\" class=\"compact models\"><thead><tr><th>Set free</th><th "
-      "class=\"n\">χ² falls by</th><th class=\"n\">p left</th><th class=\"n\">size</th>";
+  std::vector<std::string> headings = {"Set free", ">χ² falls by", ">p left", ">size"};
   for (const fit::ParameterEstimate& p : fit.parameters)
-    html += "<th class=\"n\">" + parameter_text(p.parameter).symbol + "</th>";
-  html += "<th></th></tr></thead><tbody>\n";
+    headings.push_back(">" + parameter_text(p.parameter).symbol);
+  headings.emplace_back();
+  std::string html;
   const auto parameters = [&](const std::map<fit::FitParameter, fit::EstimateUnder>& under) {
     std::string cells;
     for (const fit::ParameterEstimate& p : fit.parameters) cells += cell_of(under, p.parameter);
@@ -324,7 +316,12 @@ std::string explanation_table(const fit::FitResult& fit) {
                               : "") +
             "</tr>\n";
   }
-  return html + "</tbody></table></div>\n";
+  return "<h3>What would explain the residuals</h3>\n<p>Each row sets free what the fit takes as exact, or "
+         "knows to an "
+         "uncertainty only: by how much χ² falls, the probability that is left, how large it would have to "
+         "be, and "
+         "the parameters under it. Rows that were not refitted are to first order.</p>\n" +
+         table("explanations", "compact models", headings, html);
 }
 
 std::string not_needed(const fit::FitResult& fit) {
@@ -373,30 +370,27 @@ std::string budget_table(const fit::FitResult& fit) {
   if (fit.budget.empty()) return "";
   std::string html;
   if (!fit.improve_first.empty()) html += "<p>" + sentence_html(fit.improve_first) + "</p>\n";
-  html +=
-      "<div class=\"wide\"><table id=\"budget-table\" class=\"budget\"><thead><tr><th>Source</th><th "
-      "class=\"n\">Standard uncertainty u(x)</th><th>Evaluated from</th>";
+  std::vector<std::string> headings = {"Source", ">Standard uncertainty u(x)", "Evaluated from"};
   for (const fit::ParameterEstimate& p : fit.parameters) {
     const ParameterText shown = parameter_text(p.parameter);
-    html += fmt::format("<th class=\"n\">u({}){}</th>", shown.symbol,
-                        shown.unit.empty() ? "" : ", " + shown.unit);
+    headings.push_back(">u(" + shown.symbol + ")" + (shown.unit.empty() ? "" : ", " + shown.unit));
   }
-  html += "</tr></thead><tbody>\n";
+  std::string rows;
   for (const fit::BudgetEntry& entry : fit.budget)
-    if (entry.counted) html += row(fit, entry);
-  html += "<tr><th>Combined</th><td></td><td></td>";
-  for (const fit::ParameterEstimate& p : fit.parameters) html += number_cell(rounded(p.sd, p.sd));
-  html += "</tr>\n";
+    if (entry.counted) rows += row(fit, entry);
+  rows += "<tr><th>Combined</th><td></td><td></td>";
+  for (const fit::ParameterEstimate& p : fit.parameters) rows += number_cell(rounded(p.sd, p.sd));
+  rows += "</tr>\n";
   bool exact = false;
   for (const fit::BudgetEntry& entry : fit.budget) {
     if (entry.counted) continue;
-    html += row(fit, entry);
+    rows += row(fit, entry);
     exact = true;
   }
-  html +=
-      "</tbody></table></div>\n<p class=\"note\">Contribution of each source to the combined standard "
-      "uncertainty "
-      "of each parameter (JCGM 100): the squares add up. The length of a bar is its share.";
+  html += table("budget-table", "budget", headings, rows) +
+          "<p class=\"note\">Contribution of each source to the combined standard "
+          "uncertainty "
+          "of each parameter (JCGM 100): the squares add up. The length of a bar is its share.";
   if (exact)
     html +=
         " What was taken as exact is not included: the rows in grey say what an error as large as stated "
