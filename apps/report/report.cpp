@@ -11,12 +11,10 @@
 #include "apps/page/page.h"
 #include "apps/page/text.h"
 #include "apps/report/data/collect.h"
-#include "apps/report/figures/figures.h"
-#include "apps/report/findings/verdict.h"
+#include "apps/report/page/figures.h"
 #include "apps/report/page/page.h"
-#include "apps/report/page/results.h"
-#include "apps/report/page/runs.h"
 #include "apps/report/tables/tables.h"
+#include "apps/report/tables/verdict.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -123,20 +121,10 @@ std::string identifiability_text(const ReportData& data) {
   return html;
 }
 
-/// Of files without a budget.
-std::string systematics(const ReportData& data) {
-  if (data.fit.systematics.empty() || !data.fit.budget.empty()) return "";
-  return "<h3>If a value taken as known is wrong</h3>\n<p>The parameters change by this much, which "
-         "χ² may not show and which the intervals above do not include.</p>\n" +
-         html_list(data.fit.systematics);
-}
-
 std::string shared_scale(const ReportData& data) {
   if (data.shared_scale.empty()) return "";
   return "<h3>Scale of the recordings</h3>\n<p>" + sentence_html(data.shared_scale) + ".</p>\n";
 }
-
-}  // namespace
 
 std::string verdict_box(const ReportData& data) {
   const Verdict verdict = verdict_of(data);
@@ -151,12 +139,14 @@ std::string warning_box(const ReportData& data) {
                      html_list(data.warnings));
 }
 
+}  // namespace
+
 PageSection parameter_section(const ReportData& data, const std::vector<Figure>& figures) {
   PageSection section{"parameters", "Parameters", ""};
   if (!data.fitted()) return section;
   section.html = interval_table(data) + "<div class=\"columns\">\n<div>" + identifiability_text(data) +
-                 systematics(data) + shared_scale(data) + "</div>\n<div>" + correlation_table(data) +
-                 "</div>\n</div>\n" + figure_box(figures, "corner") + condition_table(data);
+                 shared_scale(data) + "</div>\n<div>" + correlation_table(data) + "</div>\n</div>\n" +
+                 figure_box(figures, "corner") + condition_table(data);
   return section;
 }
 
@@ -166,10 +156,6 @@ PageSection budget_section(const ReportData& data, const std::vector<Figure>& fi
   section.html =
       budget_table(data.fit) + figure_box(figures, "budget-shares") + figure_box(figures, "influence");
   return section;
-}
-
-PageSection citing_section(const ReportData& data) {
-  return {"citing", "Methods and how to cite", methods_html(data), true};
 }
 
 PageSection provenance_section(const ReportData& data) {
@@ -235,13 +221,20 @@ std::string basis(const ReportData& data) {
   return html + (list.empty() ? "" : "<h2>Next</h2>\n<ul>" + list + "</ul>\n") + "</div>\n";
 }
 
-}  // namespace
-
+/// Of the figures the one shown there; empty where there is none.
 std::string first_figure(const std::vector<Figure>& figures) {
   for (const char* id : {"alpha-phi", "alpha-dtau", "trajectories", "slide-1"})
     if (std::ranges::find(figures, std::string(id), &Figure::id) != figures.end()) return id;
   return "";
 }
+
+PageSection citing_section(const ReportData& data) {
+  std::string html = "<p>" + sentence_html(methods_text(data)) + "</p>\n<h3>To cite</h3>\n<ul>";
+  for (const std::string& source : sources_to_cite(data)) html += "<li>" + escape_html(source) + "</li>";
+  return {"citing", "Methods and how to cite", html + "</ul>\n", true};
+}
+
+}  // namespace
 
 std::string first_screen(const ReportData& data, const std::vector<Figure>& figures) {
   const std::string figure = figure_box(figures, first_figure(figures)), picture = first_picture(data);
@@ -250,12 +243,6 @@ std::string first_screen(const ReportData& data, const std::vector<Figure>& figu
   if (!picture.empty()) html += "<div class=\"picture\">" + picture + "</div>\n";
   if (!figure.empty()) html += "<div class=\"seen\">" + figure + "</div>\n";
   return html + "</div>\n" + warning_box(data);
-}
-
-std::string methods_html(const ReportData& data) {
-  std::string html = "<p>" + sentence_html(methods_text(data)) + "</p>\n<h3>To cite</h3>\n<ul>";
-  for (const std::string& source : sources_to_cite(data)) html += "<li>" + escape_html(source) + "</li>";
-  return html + "</ul>\n";
 }
 
 std::string page_of(const ReportData& data) {

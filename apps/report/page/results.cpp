@@ -1,4 +1,4 @@
-#include "apps/report/page/results.h"
+#include "apps/report/page/page.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "apps/page/text.h"
-#include "apps/report/findings/verdict.h"
-#include "apps/report/page/runs.h"
+#include "apps/report/tables/verdict.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -91,10 +90,6 @@ PageSection dependence_section(const ReportData& data, const std::vector<Figure>
         "figure 11) are "
         "left out.</p>\n";
   return section;
-}
-
-PageSection picture_section(const ReportData& data) {
-  return {"pictures", "The paths over the first frames", pictures_of_runs(data), true};
 }
 
 PageSection slide_section(const ReportData& data, const std::vector<Figure>& figures,

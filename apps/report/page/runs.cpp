@@ -1,4 +1,4 @@
-#include "apps/report/page/runs.h"
+#include "apps/report/page/page.h"
 
 #include <fmt/format.h>
 
@@ -309,16 +309,21 @@ bool has_picture(const ReportRun& run) {
 
 }  // namespace
 
-std::string pictures_of_runs(const ReportData& data) {
+PageSection picture_section(const ReportData& data) {
+  PageSection section{"pictures", "The paths over the first frames", "", true};
   std::string pictures;
   for (std::size_t i = 0; i < data.runs.size(); ++i)
     if (has_picture(data.runs[i])) pictures += picture(data.runs[i], i, fmt::format("frame-{}", i + 1));
-  if (pictures.empty())
-    return "<p class=\"left-out\">No run has a recording at hand: pictures of the paths left out.</p>\n";
-  return "<div class=\"frames\">\n" + pictures +
-         "</div>\n<p class=\"caption\">As in the paper’s figure 11, as the camera sees it (the platform’s "
-         "own motion included): the path of the part’s centre, from the circle to the square. Gaps are "
-         "frames in which the part was not found. Frames are stored no larger than 480 pixels.</p>\n";
+  section.html =
+      pictures.empty()
+          ? "<p class=\"left-out\">No run has a recording at hand: pictures of the paths left out.</p>\n"
+          : "<div class=\"frames\">\n" + pictures +
+                "</div>\n<p class=\"caption\">As in the paper’s figure 11, as the camera sees it (the "
+                "platform’s "
+                "own motion included): the path of the part’s centre, from the circle to the square. Gaps "
+                "are "
+                "frames in which the part was not found. Frames are stored no larger than 480 pixels.</p>\n";
+  return section;
 }
 
 std::string first_picture(const ReportData& data) {

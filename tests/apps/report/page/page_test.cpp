@@ -11,7 +11,7 @@
 #include <string>
 
 #include "apps/chromium.h"
-#include "apps/report/figures/figures.h"
+#include "apps/report/page/figures.h"
 #include "apps/report/tables/tables.h"
 #include "apps/report_sample.h"
 #include "apps/text/number_text.h"

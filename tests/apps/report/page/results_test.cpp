@@ -1,4 +1,4 @@
-#include "apps/report/page/results.h"
+#include "apps/report/page/page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "apps/chromium.h"
-#include "apps/report/page/page.h"
 #include "apps/report_sample.h"
 
 namespace tribotrack::apps {

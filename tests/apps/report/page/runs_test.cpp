@@ -1,4 +1,4 @@
-#include "apps/report/page/runs.h"
+#include "apps/report/page/page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -68,7 +68,7 @@ TEST(PictureSection, ThePathIsDrawnOverThePictureWithGaps) {
   run.track.height_px = 48;
   run.track.x_px = {no_value, 10, 11, no_value, 13, no_value};
   run.track.y_px = {no_value, 20, 21, no_value, 23, no_value};
-  const std::string html = pictures_of_runs(data);
+  const std::string html = picture_section(data).html;
   EXPECT_THAT(html, HasSubstr("viewBox=\"0 0 64 48\""));
   // Pixel centres are at whole numbers: the picture's corner is (-0.5, -0.5).
   EXPECT_THAT(html, HasSubstr("class=\"path\" d=\"M10.5 20.5L11.5 21.5M13.5 23.5\""));
@@ -81,7 +81,7 @@ TEST(PictureSection, JpegIsToldFromPng) {
   ReportData data = one_run();
   data.runs[0].first_frame = {0xff, 0xd8, 0xff};
   data.runs[0].track.width_px = data.runs[0].track.height_px = 10;
-  EXPECT_THAT(pictures_of_runs(data), HasSubstr("data:image/jpeg;base64,/9j/"));
+  EXPECT_THAT(picture_section(data).html, HasSubstr("data:image/jpeg;base64,/9j/"));
 }
 
 TEST(PlanSection, StagesLeftOutComeWithTheirReasonAndError) {

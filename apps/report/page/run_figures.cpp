@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "apps/page/text.h"
-#include "apps/report/figures/figures.h"
+#include "apps/report/page/figures.h"
 
 namespace tribotrack::apps {
 namespace {

@@ -1,4 +1,4 @@
-#include "apps/report/figures/figures.h"
+#include "apps/report/page/figures.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
