@@ -39,8 +39,8 @@ awk '
   $1 == "mu1" { t = truth["mu1"] }
   $1 == "mu2" { t = truth["mu1"] / truth["mu1_over_mu2"] }
   $1 == "phase_lag_rad" { t = truth["lag_rad"] }
-  NF == 5 { printf "%-16s%12.6g%12s%12s%14s%14s\n", $1, t, $2, $3, $4, $5 }
+  /^(mu1|mu2|phase_lag_rad) / { printf "%-16s%12.6g%12s%12s%14s%14s\n", $1, t, $2, $3, $4, $5 }
 ' data/example/scene.toml $out/estimates.txt
 echo
 echo "Report: $PWD/$out/result/report.html"
-echo "Next, in a browser: $PWD/$tribotrack open $out; on paper: $PWD/$tribotrack help start-here"
+echo "Next: $tribotrack open $out (in a browser), or $tribotrack help start-here"
