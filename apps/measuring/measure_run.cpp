@@ -18,6 +18,7 @@ namespace {
 /// over the amplitude, where a play alone does less: what follows late is smoothed as well.
 constexpr double kSmoothed = 0.5;
 constexpr double kQuantile95 = 1.96;  ///< two-sided, of a normal number
+constexpr double kFelt = 0.1;         ///< of an sd: what is less is not said
 
 /// The sense of turning a campaign states must be the one seen: a mirrored picture gives mirrored angles.
 void require_same_sense(const std::string& name, const fit::PlatformMotion& seen, double phase_shift) {
@@ -67,12 +68,14 @@ void allow_for_coding(const std::string& name, const Track& track, RunMeasuremen
   if (!(coded.attenuation > 0 || coded.delay > 0)) return;
   coded.exceeds = coded.delay > kQuantile95 * platform.phase_at_middle.sd ||
                   coded.attenuation * platform.amplitude.value > kQuantile95 * platform.amplitude.sd;
+  const bool felt = coded.delay > kFelt * platform.phase_at_middle.sd ||
+                    coded.attenuation * platform.amplitude.value > kFelt * platform.amplitude.sd;
   for (fit::Estimate* length : {&platform.amplitude, &platform.amplitude_y})
     length->sd = std::hypot(length->sd, coded.attenuation * length->value);
   for (fit::Estimate* phase : {&platform.phase_at_zero, &platform.phase_at_middle})
     phase->sd = std::hypot(phase->sd, coded.delay);
   m.coded = coded;
-  m.warnings.push_back(fmt::format("{}: {}", name, coded.sentence()));
+  if (felt) m.warnings.push_back(fmt::format("{}: {}", name, coded.sentence()));
 }
 
 /// phi and dtau from lamp or trace. The lamp is tied to the camera by itself; a trace by a trigger, or else

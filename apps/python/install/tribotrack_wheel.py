@@ -21,8 +21,8 @@ Version: {version}
 Summary: From high-speed video of a part on a vibrating platform to its friction parameters
 License: BSD-3-Clause
 Requires-Python: >={python}
-Requires-Dist: numpy
 Provides-Extra: all
+Requires-Dist: numpy; extra == "all"
 Requires-Dist: matplotlib; extra == "all"
 Requires-Dist: pandas; extra == "all"
 """

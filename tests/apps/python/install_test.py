@@ -12,15 +12,16 @@ class Install(ProgramTest):
     @unittest.skipUnless(Path(BINARY).parent == SOURCE / "build/release/apps", "another build than that of the quickstart")
     def test_pip_installs_module_and_program(self):
         venv = self.folder / "venv"
-        # Debian's NumPy is seen; nothing is fetched.
-        done = subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", venv], capture_output=True, text=True, check=False)
+        done = subprocess.run([sys.executable, "-m", "venv", venv], capture_output=True, text=True, check=False)
         if done.returncode:
             self.skipTest("no venv: " + done.stdout)
+        # Without NumPy, which arrays need: measurements and fits.
+        fit = f"tribotrack.fit({str(SOURCE / 'data/example/alpha_v.csv')!r}, amplitude_mm=0.28, frequency_hz=9.995, phase_shift_rad='90deg')"
         for command, said in [
             (["pip", "install", "--no-index", "--disable-pip-version-check", SOURCE / "apps/python"], "Successfully installed tribotrack-"),
-            (["python", "-c", "import tribotrack; print(tribotrack.__file__, tribotrack.simulate(cycles=1).cycles)"], f"{venv}/lib"),
+            (["python", "-c", f"import tribotrack; print(tribotrack.__file__, {fit})"], "\n  mu1            0.09"),
             (["tribotrack", "--version"], "tribotrack "),
-            (["pip", "show", "tribotrack"], "Requires: numpy"),
+            (["pip", "check"], "No broken requirements"),
         ]:
             done = subprocess.run([venv / "bin" / command[0], *command[1:]], capture_output=True, text=True, check=False, cwd=self.folder,
                                   env={"PATH": "/usr/bin:/bin", "HOME": str(self.folder)})
