@@ -94,16 +94,16 @@ void measure_gate(const std::string& name, const Track& track, const GivenCondit
   };
   if (!track.lamp.time.empty()) {
     if (m.phase_clock)
-      take(fit::measure_gate(track.lamp, *m.phase_clock), "the lamp (gate_px)", "camera");
+      take(fit::measure_gate(track.lamp, *m.phase_clock), "the gate LED (gate_px)", "camera");
     else
       m.warnings.push_back(fmt::format(
-          "{}: the lamp is seen, but the phase of the platform is unknown: phi and dtau are taken as "
+          "{}: the gate LED is seen, but the phase of the platform is unknown: phi and dtau are taken as "
           "commanded; give a marker, or phase_at_zero_rad",
           name));
   }
   if (given.lamp && track.lamp.time.empty())
     m.warnings.push_back(fmt::format(
-        "{}: the lamp (gate_px) was not read, since the part passes over it: phi and dtau are taken as "
+        "{}: the gate LED (gate_px) was not read, since the part passes over it: phi and dtau are taken as "
         "commanded; correct gate_px",
         name));
   if (!given.scope) {
@@ -121,8 +121,8 @@ void measure_gate(const std::string& name, const Track& track, const GivenCondit
       if (std::abs(lamp.dtau.value - seen.timing->dtau.value) >
           5 * std::hypot(lamp.dtau.sd, seen.timing->dtau.sd) + 0.01)
         m.warnings.push_back(fmt::format(
-            "{}: the lamp shows dtau = {:.4f} rad, the oscilloscope {:.4f}: the oscilloscope's is "
-            "used; does the lamp follow the actuator's gate?",
+            "{}: the gate LED shows dtau = {:.4f} rad, the oscilloscope {:.4f}: the oscilloscope's is "
+            "used; does the LED follow the actuator's gate?",
             name, lamp.dtau.value, seen.timing->dtau.value));
     }
   } else if (scope.tie == ScopeTie::trigger && scope.trigger_time && m.phase_clock) {
