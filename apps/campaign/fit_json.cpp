@@ -59,8 +59,8 @@ std::string phase_reference(const Campaign& campaign, const std::vector<Run>& ru
   return fmt::format(
       "phi counts from the phase sensor in {} of {} runs (commanded, or from an oscilloscope not tied to the "
       "camera): there an angle between the picture's x axis and the platform's displacement at the sensor's "
-      "pulse, beyond xi_axis_rad = {:.4g}, stands in the lag, radian for radian. A lamp in the picture "
-      "(gate_px) takes it out.",
+      "pulse, beyond xi_axis_rad = {:.4g}, biases the phase lag one to one. A gate LED in the picture "
+      "(gate_px) removes it.",
       by_sensor, by_camera + by_sensor, campaign.camera.xi_axis_rad);
 }
 
@@ -131,7 +131,7 @@ std::string slide_table(const Json& fit) {
   const std::vector<fit::SlideResult> slides = fit.get<fit::FitResult>().slides;
   if (slides.empty()) return "";
   std::string table = fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}{:>12}{:>12}{:>8}\n", "slide", "mu1", "sd",
-                                  "ci95_low", "ci95_high", "rim/speed", "chi2", "dof");
+                                  "ci95_low", "ci95_high", "edge/speed", "chi2", "dof");
   for (const fit::SlideResult& s : slides)
     table += fmt::format("{:<26}{}{:>14}{:>14}{:>12}{:>12.4g}{:>8}\n", s.run,
                          estimate_and_sd(s.mu1.value, s.mu1.sd),

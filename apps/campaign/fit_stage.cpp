@@ -84,8 +84,8 @@ std::string coding_sentence(const fit::FitResult& result) {
     list += fmt::format("{}{} +- {:.2g}", i > 0 ? ", " : "", fit::to_string(result.parameters[i].parameter),
                         sd(static_cast<Eigen::Index>(i)));
   return fmt::format(
-      "what the recordings' coder does to the platform's motion exceeds the interval that the data give: it "
-      "is counted in the intervals ({}, SI); film uncompressed or with every frame coded by itself",
+      "the effect of the recordings' codec on the platform's motion exceeds the interval that the data give: "
+      "the intervals include it ({}, SI); film uncompressed or all-intra",
       list);
 }
 

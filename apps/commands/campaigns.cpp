@@ -79,11 +79,12 @@ void add_run(CLI::App& app, Context& context) {
       ->type_name("snakemake");
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.add_flag("--wait", options->wait, "Wait while another run is writing into DIR (default: refuse)");
-  add_common(command, context,
-             "  tribotrack run data/example/campaign.toml -o out\n\nA campaign may give KEY_sd beside each "
-             "quantity (amplitude_mm_sd, gravity_m_s2_sd, phi_rad_sd, ...): the "
-             "intervals count it. Without one they have that of the last digit or of the trade, unless [fit] "
-             "exact names them.");
+  add_common(
+      command, context,
+      "  tribotrack run data/example/campaign.toml -o out\n\nA campaign may give KEY_sd beside each "
+      "quantity (amplitude_mm_sd, gravity_m_s2_sd, phi_rad_sd, ...): the "
+      "intervals include it. Without one they have that of the last digit or a typical one, unless [fit] "
+      "exact names them.");
   command.callback([options, &context] { run_command(*options, context); });
 }
 
@@ -175,19 +176,19 @@ void add_fit(CLI::App& app, Context& context) {
                   "means for the intervals is printed with them")
       ->check(one_of(losses()))
       ->type_name("LOSS");
-  command.add_flag(
-      "--compare-models", options->choices.fit.rivals,
-      "Fit anew under each explanation (tilt, laws of friction, ...) even where the residuals give "
-      "no reason to");
+  command.add_flag("--compare-models", options->choices.fit.rivals,
+                   "Refit under each explanation (tilt, laws of friction, ...) even where the residuals give "
+                   "no reason to");
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.add_flag("--explain", options->explain,
                    "Print the whole report: residuals, correlations, what was left out");
-  add_common(command, context,
-             "  tribotrack fit campaign.toml -o fit.json\n  tribotrack fit campaign.toml --tracks out/tracks "
-             "-o fit.json --json\n\nA campaign may give KEY_sd beside each quantity (amplitude_mm_sd, "
-             "gravity_m_s2_sd, phi_rad_sd, ...): the "
-             "intervals count it. Without one they have that of the last digit or of the trade, unless [fit] "
-             "exact names them.");
+  add_common(
+      command, context,
+      "  tribotrack fit campaign.toml -o fit.json\n  tribotrack fit campaign.toml --tracks out/tracks "
+      "-o fit.json --json\n\nA campaign may give KEY_sd beside each quantity (amplitude_mm_sd, "
+      "gravity_m_s2_sd, phi_rad_sd, ...): the "
+      "intervals include it. Without one they have that of the last digit or a typical one, unless [fit] "
+      "exact names them.");
   command.callback([options, &context] { fit_command(*options, context); });
 }
 
@@ -272,7 +273,7 @@ void add_verify(CLI::App& app, Context& context) {
   auto folder = std::make_shared<std::string>();
   CLI::App& command = *app.add_subcommand(
       "verify",
-      "Whether report, fit, tracks and recordings belong together; exit 3 names what does not match");
+      "Check that report, fit, tracks and recordings belong together; exit 3 names what does not match");
   command.add_option("DIR", *folder, "Folder that `tribotrack run` has filled")->required();
   add_common(command, context, "  tribotrack verify out");
   command.callback([folder] { print("{}: all {} files are those of its run\n", *folder, verify(*folder)); });

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/files/campaign/keys.h"
+#include "apps/page/assets/embedded_assets.h"
 #include "apps/program/streams.h"
 #include "apps/text/angle.h"
 #include "apps/text/output_file.h"
@@ -100,24 +101,33 @@ void add_number(CLI::App& command, const std::string& flag, std::optional<double
 namespace {
 
 /// `help COMMAND` is COMMAND --help; of what is no command it is as wrong as that command.
-std::vector<std::string> arguments_of(const CLI::App& app, int argc, const char* const* argv) {
-  std::vector<std::string> typed(argv + 1, argv + argc);
+std::vector<std::string> arguments_of(const CLI::App& app, std::vector<std::string> typed) {
   if (typed.empty() || typed.front() != "help") return typed;
   typed.erase(typed.begin());
   const bool known =
-      typed.empty() || typed.front().starts_with('-') || typed.front() == "campaign" ||
+      typed.empty() || typed.front().starts_with('-') ||
       !app.get_subcommands([&](const CLI::App* command) { return command->get_name() == typed.front(); })
            .empty();
   if (known) typed.emplace_back("--help");
   return typed;
 }
 
-/// `help campaign`, and with --json the JSON Schema of its keys.
-std::optional<std::string> help_on_campaigns(const std::vector<std::string>& typed) {
+/// `help TOPIC`: a page of the manual, or the keys of campaigns, with --json as their JSON Schema.
+std::optional<std::string> manual_page(const std::vector<std::string>& typed) {
   using Words = std::vector<std::string>;
-  if (typed == Words{"campaign", "--help"}) return campaign_reference();
-  if (typed == Words{"campaign", "--json", "--help"}) return text_of(campaign_schema());
+  if (typed == Words{"help", "campaign"}) return campaign_reference();
+  if (typed == Words{"help", "campaign", "--json"}) return text_of(campaign_schema());
+  for (const ManualPage& page : manual_pages())
+    if (typed == Words{"help", std::string(page.name)}) return std::string(page.text);
   return std::nullopt;
+}
+
+/// The manual's pages with their titles.
+std::string topics() {
+  std::string list = "Manual, `tribotrack help TOPIC`:\n  campaign                    Keys of a campaign\n";
+  for (const ManualPage& page : manual_pages())
+    list += fmt::format("  {:27} {}\n", page.name, page.text.substr(2, page.text.find('\n') - 2));
+  return list;
 }
 
 /// Help and version go to stdout, through CLI11's own printing.
@@ -166,17 +176,16 @@ int run_program(int argc, const char* const* argv) {
       "tribotrack: from high-speed video of a part on a vibrating platform to its friction parameters",
       "tribotrack"};
   app.require_subcommand(1);
-  app.footer(
-      "Start with `tribotrack init DIR`, edit the campaign it writes, then `tribotrack run DIR/campaign.toml "
-      "-o OUT`.\n"
-      "Each command explains itself: tribotrack COMMAND --help; so do the keys of campaigns: tribotrack help "
-      "campaign");
+  app.footer(topics() +
+             "\nStart with `tribotrack help start-here`, or `tribotrack init DIR`; tribotrack COMMAND --help "
+             "explains each "
+             "command.");
   add_options_of_all(app, context);
   add_commands(app, context);
-  const std::vector<std::string> typed = arguments_of(app, argc, argv);
+  const std::vector<std::string> words(argv + 1, argv + argc), typed = arguments_of(app, words);
   const LastWords stopped("stopped: nothing half-written is left");
   try {
-    if (const auto what = help_on_campaigns(typed)) {
+    if (const auto what = manual_page(words)) {
       print_text(*what);
       flush_output();
       return kDone;

@@ -73,7 +73,7 @@ void add_measure(CLI::App& app, Context& context) {
   auto options = std::make_shared<MeasureOptions>();
   CLI::App& command = *app.add_subcommand(
       "measure",
-      "What motion a track shows; alpha, v and, where visible, the platform's motion, or a free slide's mu1");
+      "Measure one track: its kind of motion; alpha, v and the platform's motion, or mu1 of a free slide");
   command
       .add_option(
           "TRACK", options->track,
@@ -96,7 +96,7 @@ void add_measure(CLI::App& app, Context& context) {
   add_number(command, "--mm-per-px", options->reading.mm_per_px,
              "Scale of another program's track that is in pixels");
   add_number(command, "--fps", options->reading.frame_rate_hz,
-             "Rate at which the frames of another program's track were taken; beats its times");
+             "Rate at which the frames of another program's track were taken; overrides its times");
   command
       .add_option("--track-unit", options->reading.unit,
                   "Unit of x and y of another program's track whose columns name none")
@@ -126,7 +126,7 @@ void add_measure(CLI::App& app, Context& context) {
       "pulled,\n"
       "at rest, with background, unknown. alpha and v belong to a drive that is given or seen, mu1 to a "
       "slide to\n"
-      "rest that is braked evenly; where the track shows another motion: exit 4 and what to do instead.");
+      "rest with constant deceleration; if the track shows another motion: exit 4 and what to do instead.");
   command.callback([options, &context] { measure_command(*options, context); });
 }
 
@@ -220,7 +220,7 @@ void calibrate_command(const CalibrateOptions& options, Context& context) {
 void add_calibrate(CLI::App& app, Context& context) {
   auto options = std::make_shared<CalibrateOptions>();
   CLI::App& command = *app.add_subcommand(
-      "calibrate", "Pictures of a flat board to the camera's lens, the platform's plane and its scale");
+      "calibrate", "Determine lens, plane of the platform and scale from pictures of a flat board");
   command
       .add_option(
           "PICTURES", options->inputs,

@@ -110,7 +110,7 @@ void print_coding(const vision::SourceInfo& info) {
     print("    advice: {}\n", expected->advice);
   } else if (!coder.all_intra) {
     print(
-        "    this coding does not tell its quantiser: standard deviations of the track are on the safe "
+        "    this codec does not tell its quantiser: standard deviations of the track are on the safe "
         "side\n");
   }
 }
@@ -241,12 +241,13 @@ void add_probe(CLI::App& app, Context& context) {
   command
       .add_option(
           "--picture", options->picture,
-          "Write the first frame with a pixel grid, its discs numbered, lamps marked, and print the lines of "
+          "Write the first frame with a pixel grid, its discs numbered, LEDs marked, and print the lines of "
           "[camera] to paste")
       ->type_name("F.png");
   command
-      .add_option("--page", options->page,
-                  "Write a page to find part, mark and lamp with the mouse: frames to scrub, lines to copy")
+      .add_option(
+          "--page", options->page,
+          "Write a page to point at part, mark and gate LED with the mouse: frames to scrub, lines to copy")
       ->type_name("F.html");
   command.add_flag("--json", options->json, "Print one JSON object");
   add_common(command, context,
@@ -317,7 +318,7 @@ void add_init(CLI::App& app, Context& context) {
       ->required();
   command
       .add_option("--from", options->from,
-                  "Look into every recording of this folder: one [[run]] each, with part, mark and lamp "
+                  "Inspect every recording of this folder: one [[run]] each, with part, mark and gate LED "
                   "found, phi and "
                   "dtau by the name (phi045_dtau060, 45deg_60deg)")
       ->type_name("RECORDINGS");

@@ -287,8 +287,8 @@ void add_track(CLI::App& app, Context& context) {
              "Rate of recording, frames/s, where the file does not give it reliably");
   command
       .add_option("--fps-reason", options->choices.fps_reason,
-                  "How you know that the camera recorded at --fps: demanded where that is but the playback "
-                  "rate the file states, and kept in the meta file")
+                  "Source of the frame rate, for the meta file; required if --fps equals the file's "
+                  "playback rate")
       ->type_name("TEXT");
   add_number(command, "--mm-per-px", options->choices.mm_per_px, "Scale, of the platform's plane");
   add_number(command, "--disc-diameter-mm", options->choices.disc_diameter_mm,
@@ -322,10 +322,9 @@ void add_track(CLI::App& app, Context& context) {
           "none. tag:FAMILY[:NUMBER]: an ArUco or AprilTag mark, as tag:4x4_50 or tag:apriltag_36h11:3")
       ->type_name("X,Y,R|auto|texture|none|tag:FAMILY");
   command
-      .add_option(
-          "--gate", options->gate,
-          "Lamp that is lit while the actuator is on: its brightness is recorded, and `measure` finds phi "
-          "and dtau from it")
+      .add_option("--gate", options->gate,
+                  "LED that is on while the actuator is: its brightness is recorded, and `measure` finds phi "
+                  "and dtau from it")
       ->type_name("X,Y,R");
   command
       .add_option("--frames", options->frames,
@@ -334,10 +333,10 @@ void add_track(CLI::App& app, Context& context) {
   add_angle(command, "--xi-axis-rad", options->choices.xi_axis_rad,
             "Direction of the platform's displacement at phase 0 in the picture (x right, y up)");
   command
-      .add_option(
-          "--layers", options->choices.layers,
-          "Second pass over pictures of disc and platform learnt from the recording (default auto: for "
-          "discs, kept where it does better)")
+      .add_option("--layers", options->choices.layers,
+                  "Second pass with the appearance of disc and platform learned from the recording (default "
+                  "auto: for "
+                  "discs, kept where it does better)")
       ->type_name("auto|on|off");
   command.add_option("--overlay", options->overlay, "Picture (.png) or video (.mp4) to check the track by")
       ->type_name("FILE");

@@ -127,9 +127,10 @@ Json written_marker(const CameraSection& camera) {
 
 CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd with_sd) {
   if (table.has("rehearse"))
-    table.fail("rehearse",
-               "has left: standard deviations count what the coder may have done; leave the key out, and for "
-               "smaller ones film uncompressed or FFV1");
+    table.fail(
+        "rehearse",
+        "has left: standard deviations include what the codec may have done; leave the key out, and for "
+        "smaller ones film uncompressed or FFV1");
   CameraSection camera;
   read_keys(table, camera_keys(), camera, folder, with_sd);
   if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");

@@ -37,7 +37,7 @@ endif()
 file(GLOB_RECURSE pages "${root}/man/*.[1-9]")
 execute_process(COMMAND gzip -9nf ${pages} "${documents}/changelog" "${documents}/changelog.Debian" COMMAND_ERROR_IS_FATAL ANY)
 file(GLOB compressed "${documents}/*")
-list(FILTER compressed EXCLUDE REGEX "/examples?$")
+list(FILTER compressed EXCLUDE REGEX "/(examples?|manual)$")
 list(TRANSFORM pages APPEND .gz)
 file(CHMOD ${compressed} ${pages} FILE_PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
 # Whatever the umask of whoever packs.

@@ -18,6 +18,7 @@ namespace {
 /// over the amplitude, where a play alone does less: what follows late is smoothed as well.
 constexpr double kSmoothed = 0.5;
 constexpr double kQuantile95 = 1.96;  ///< two-sided, of a normal number
+constexpr double kFelt = 0.1;         ///< of an sd: what is less is not said
 
 /// The sense of turning a campaign states must be the one seen: a mirrored picture gives mirrored angles.
 void require_same_sense(const std::string& name, const fit::PlatformMotion& seen, double phase_shift) {
@@ -67,12 +68,14 @@ void allow_for_coding(const std::string& name, const Track& track, RunMeasuremen
   if (!(coded.attenuation > 0 || coded.delay > 0)) return;
   coded.exceeds = coded.delay > kQuantile95 * platform.phase_at_middle.sd ||
                   coded.attenuation * platform.amplitude.value > kQuantile95 * platform.amplitude.sd;
+  const bool felt = coded.delay > kFelt * platform.phase_at_middle.sd ||
+                    coded.attenuation * platform.amplitude.value > kFelt * platform.amplitude.sd;
   for (fit::Estimate* length : {&platform.amplitude, &platform.amplitude_y})
     length->sd = std::hypot(length->sd, coded.attenuation * length->value);
   for (fit::Estimate* phase : {&platform.phase_at_zero, &platform.phase_at_middle})
     phase->sd = std::hypot(phase->sd, coded.delay);
   m.coded = coded;
-  m.warnings.push_back(fmt::format("{}: {}", name, coded.sentence()));
+  if (felt) m.warnings.push_back(fmt::format("{}: {}", name, coded.sentence()));
 }
 
 /// phi and dtau from lamp or trace. The lamp is tied to the camera by itself; a trace by a trigger, or else
@@ -91,16 +94,16 @@ void measure_gate(const std::string& name, const Track& track, const GivenCondit
   };
   if (!track.lamp.time.empty()) {
     if (m.phase_clock)
-      take(fit::measure_gate(track.lamp, *m.phase_clock), "the lamp (gate_px)", "camera");
+      take(fit::measure_gate(track.lamp, *m.phase_clock), "the gate LED (gate_px)", "camera");
     else
       m.warnings.push_back(fmt::format(
-          "{}: the lamp is seen, but the phase of the platform is unknown: phi and dtau are taken as "
+          "{}: the gate LED is seen, but the phase of the platform is unknown: phi and dtau are taken as "
           "commanded; give a marker, or phase_at_zero_rad",
           name));
   }
   if (given.lamp && track.lamp.time.empty())
     m.warnings.push_back(fmt::format(
-        "{}: the lamp (gate_px) was not read, since the part passes over it: phi and dtau are taken as "
+        "{}: the gate LED (gate_px) was not read, since the part passes over it: phi and dtau are taken as "
         "commanded; correct gate_px",
         name));
   if (!given.scope) {
@@ -118,8 +121,8 @@ void measure_gate(const std::string& name, const Track& track, const GivenCondit
       if (std::abs(lamp.dtau.value - seen.timing->dtau.value) >
           5 * std::hypot(lamp.dtau.sd, seen.timing->dtau.sd) + 0.01)
         m.warnings.push_back(fmt::format(
-            "{}: the lamp shows dtau = {:.4f} rad, the oscilloscope {:.4f}: the oscilloscope's is "
-            "used; does the lamp follow the actuator's gate?",
+            "{}: the gate LED shows dtau = {:.4f} rad, the oscilloscope {:.4f}: the oscilloscope's is "
+            "used; does the LED follow the actuator's gate?",
             name, lamp.dtau.value, seen.timing->dtau.value));
     }
   } else if (scope.tie == ScopeTie::trigger && scope.trigger_time && m.phase_clock) {
@@ -213,11 +216,11 @@ std::vector<std::string> differences(const std::string& name, const RunMeasureme
 
 std::string CodedMotion::sentence() const {
   return fmt::format(
-      "the coder ({}) shows the platform's motion {:.2g} % too small and {:.2g} rad late at the most: both "
-      "are "
-      "counted in the intervals{}",
+      "the codec ({}) attenuates the platform's motion by up to {:.2g} % and delays it by up to {:.2g} rad: "
+      "the "
+      "intervals include both{}",
       coder, 100 * attenuation, delay,
-      exceeds ? ", more than all else together: film uncompressed, or with every frame coded by itself" : "");
+      exceeds ? ", and both together dominate them: film uncompressed or all-intra" : "");
 }
 
 bool lamp_gave_phi(const fit::GateTiming& gate) {

@@ -126,11 +126,12 @@ std::string slide_measurement_text(const SlideMeasurement& m, const Track& track
   text += line("stop", fmt::format("{:.5g} s{}", s.stop_time, m.stop_seen ? "" : ", after the track ends"));
   if (s.spin_seen) {
     text += line("spin", with_sd(s.spin) + " rad/s at its first point");
-    text += line("  rim / slide", with_sd(s.spin_ratio) + " of the speed");
+    text += line("  edge / slide", with_sd(s.spin_ratio) + " of the speed");
   } else {
     text +=
-        line("spin", fmt::format("not seen; a rim speed of half the slide's would make mu1 {:.2g} % larger",
-                                 100 * s.change_by_half_spin));
+        line("spin",
+             fmt::format("not seen; an edge speed of half the sliding speed would make mu1 {:.2g} % larger",
+                         100 * s.change_by_half_spin));
   }
   text += line("chi2", fmt::format("{:.4g} at {} degrees of freedom", s.chi2, s.dof));
   if (track.mm_per_px)

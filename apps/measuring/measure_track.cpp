@@ -228,7 +228,7 @@ TrackMeasurement measure_track(const std::string& name, const Track& track, cons
   put_motion(motion, result);
   if (measured.coded && measured.coded->exceeds)
     result.failure = fmt::format(
-        "{}: the coder's attenuation or delay exceeds the interval of what the track tells", name);
+        "{}: attenuation or delay by the codec exceeds the interval of what the track tells", name);
   else if (!motion.platform_seen && (measured.platform || !track.table.platform_frame))
     if (const std::string why = against_drive(motion, measured.angular_frequency->value); !why.empty())
       result.failure = fmt::format("{}: {}; {}", name, why, motion.remedy());

@@ -64,8 +64,9 @@ std::string sentence_of(const fit::ShownMotion& m, const fit::TrackTable& table)
               : "",
           mm(m.oscillation->drift));
     case Kind::slide:
-      return fmt::format("the part slides and is braked evenly, from about {:.3g} mm/s in frames {} to {}",
-                         mm(m.braking->speed), frame(m.braking->first), frame(m.braking->last - 1));
+      return fmt::format(
+          "the part slides with constant deceleration, from about {:.3g} mm/s in frames {} to {}",
+          mm(m.braking->speed), frame(m.braking->first), frame(m.braking->last - 1));
     case Kind::incline:
       return fmt::format(
           "the part gains speed evenly, by about {:.3g} mm/s^2 to {:.3g} mm/s in frames {} to {}, as down an "
@@ -74,8 +75,8 @@ std::string sentence_of(const fit::ShownMotion& m, const fit::TrackTable& table)
           frame(m.braking->last - 1));
     case Kind::pulled:
       return fmt::format(
-          "the part moves on in one direction, by {:.3g} mm at {:.3g} mm/s in the mean, and is not braked "
-          "evenly, as a part that is pulled",
+          "the part moves on in one direction, by {:.3g} mm at {:.3g} mm/s on average, without constant "
+          "deceleration, as a part that is pulled",
           mm(m.way), mm(m.speed));
     case Kind::at_rest:
       return fmt::format(
@@ -86,7 +87,8 @@ std::string sentence_of(const fit::ShownMotion& m, const fit::TrackTable& table)
       break;
   }
   return fmt::format(
-      "the part moves by up to {:.3g} mm, and neither circles, nor swings, nor is braked evenly, nor goes "
+      "the part moves by up to {:.3g} mm, and neither circles, nor swings, nor decelerates constantly, nor "
+      "goes "
       "one way",
       mm(m.way));
 }

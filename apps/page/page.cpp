@@ -54,6 +54,16 @@ std::string number_cell(const std::string& html) {
   return fmt::format("<td class=\"n\">{}</td>", html);
 }
 
+std::string table(const std::string& id, const std::string& classes, const std::vector<std::string>& headings,
+                  const std::string& rows) {
+  std::string html = fmt::format(R"(<div class="wide"><table id="{}" class="{}"><thead><tr>)", id, classes);
+  for (const std::string& heading : headings)
+    html += heading.empty()            ? "<td></td>"
+            : heading.starts_with('>') ? "<th class=\"n\">" + heading.substr(1) + "</th>"
+                                       : "<th>" + heading + "</th>";
+  return html + "</tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
+}
+
 namespace {
 
 /// A true minus sign, which a page does not break a line after.
@@ -204,6 +214,10 @@ ParameterText parameter_text(const std::string& key) {
       {"scale", {"scale", "", "factor on every measured length; 1 = as measured"}},
       {"tilt_x_rad", {"tilt<sub>x</sub>", "rad", "slope of the platform towards +x"}},
       {"tilt_y_rad", {"tilt<sub>y</sub>", "rad", "slope of the platform towards +y"}},
+      {"phi_rad", {"φ", "rad", "phase of the pulse"}},
+      {"dtau_rad", {"Δτ", "rad", "width of the pulse"}},
+      {"xi_axis_rad", {"camera axis", "rad", "direction of the displacement at the sensor’s pulse"}},
+      {"friction_law", {"friction law", "", "law of friction"}},
   };
   const auto found = known.find(key);
   return found != known.end() ? found->second : ParameterText{escape_html(key), "", ""};

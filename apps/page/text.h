@@ -16,6 +16,10 @@ std::string escape_html(std::string_view text);
 std::string cell(const std::string& html);
 std::string number_cell(const std::string& html);
 
+/// A table that scrolls where it is too wide. Headings are HTML; those of numbers begin with '>'.
+std::string table(const std::string& id, const std::string& classes, const std::vector<std::string>& headings,
+                  const std::string& rows);
+
 /// "0.3142", with so many significant digits; an en dash where there is no value (NaN), an infinity sign
 /// where open.
 std::string number(double value, int digits = 4);

@@ -183,7 +183,7 @@ void apply_layers(const TrackChoices& choices, Recording& recording) {
   else if (!choices.layers.empty() && choices.layers != "auto")
     throw UsageError(fmt::format("--layers must be auto, on or off, not \"{}\"", choices.layers));
   if (options.layers == vision::Layers::on && options.target.kind == vision::Target::Kind::rectangle)
-    throw UsageError("--layers on needs a disc with a round rim, and --template follows a rectangle");
+    throw UsageError("--layers on needs a round disc, and --template follows a rectangle");
 }
 
 }  // namespace

@@ -11,12 +11,10 @@
 #include "apps/page/page.h"
 #include "apps/page/text.h"
 #include "apps/report/data/collect.h"
-#include "apps/report/figures/figures.h"
-#include "apps/report/findings/verdict.h"
+#include "apps/report/page/figures.h"
 #include "apps/report/page/page.h"
-#include "apps/report/page/results.h"
-#include "apps/report/page/runs.h"
 #include "apps/report/tables/tables.h"
+#include "apps/report/tables/verdict.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -56,13 +54,9 @@ std::string condition_table(const ReportData& data) {
   std::string rows;
   for (const ReportCondition& c : data.conditions) rows += condition_row(c);
   if (rows.empty()) return "";
-  return "<h3>Conditions: given, measured, used</h3>\n<div class=\"wide\"><table id=\"conditions\" "
-         "class=\"compact "
-         "conditions\"><thead><tr><th>Quantity</th><th class=\"n\">given</th><th class=\"n\">measured, all "
-         "runs "
-         "pooled</th><th class=\"n\">difference</th><th "
-         "class=\"n\">used</th><th>from</th></tr></thead><tbody>\n" +
-         rows + "</tbody></table></div>\n";
+  return "<h3>Conditions: given, measured, used</h3>\n" +
+         table("conditions", "compact conditions",
+               {"Quantity", ">given", ">measured, all runs pooled", ">difference", ">used", "from"}, rows);
 }
 
 /// Blue below, orange above: distinct to colour-blind eyes, and the number stands in the cell.
@@ -76,12 +70,10 @@ std::string correlation_table(const ReportData& data) {
   const auto& parameters = data.fit.parameters;
   const auto n = static_cast<Eigen::Index>(parameters.size());
   if (n < 2 || data.fit.correlation.rows() != n) return "";
-  std::string html =
-      "<h3>Correlation of the parameters</h3>\n<div class=\"wide\"><table id=\"correlation\" "
-      "class=\"compact correlation\"><thead><tr><td></td>";
+  std::vector<std::string> headings = {""};
   for (const fit::ParameterEstimate& p : parameters)
-    html += "<th class=\"n\">" + parameter_text(p.parameter).symbol + "</th>";
-  html += "</tr></thead><tbody>";
+    headings.push_back(">" + parameter_text(p.parameter).symbol);
+  std::string html;
   for (Eigen::Index i = 0; i < n; ++i) {
     html += "<tr><th>" + parameter_text(parameters[static_cast<std::size_t>(i)].parameter).symbol + "</th>";
     for (Eigen::Index k = 0; k < n; ++k) {
@@ -92,10 +84,10 @@ std::string correlation_table(const ReportData& data) {
     }
     html += "</tr>";
   }
-  return html +
-         "</tbody></table></div>\n<p class=\"note\">Near +1 or −1, an error in one parameter is compensated "
-         "by "
-         "the other: only their combination is known well.</p>\n";
+  return "<h3>Correlation of the parameters</h3>\n" +
+         table("correlation", "compact correlation", headings, html) +
+         "<p class=\"note\">Near +1 or −1, an error in one parameter is compensated by the other: only their "
+         "combination is known well.</p>\n";
 }
 
 std::string identifiability_text(const ReportData& data) {
@@ -117,31 +109,22 @@ std::string identifiability_text(const ReportData& data) {
   const std::vector<fit::NextExperiment> next = data.next_runs();
   if (judged.verdict != fit::Verdict::identifiable && !next.empty())
     html += "<p><b>Remedy:</b> " + sentence_html(next.front().sentence) + "</p>\n";
+  constexpr std::size_t kMostMinima = 3;
   std::vector<std::string> other_minima;
-  for (std::size_t k = 1; k < data.fit.minima.size(); ++k)
+  for (std::size_t k = 1; data.fit.dof > 0 && k < std::min(data.fit.minima.size(), 1 + kMostMinima); ++k)
     other_minima.push_back(data.fit.minima[k].sentence);
   if (!other_minima.empty())
     html +=
-        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals to quote hold "
+        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals to quote include "
         "them where they are within 95 %.</p>\n" +
         html_list(other_minima);
   return html;
-}
-
-/// Of files without a budget.
-std::string systematics(const ReportData& data) {
-  if (data.fit.systematics.empty() || !data.fit.budget.empty()) return "";
-  return "<h3>If a value taken as known is wrong</h3>\n<p>The parameters change by this much, which "
-         "χ² may not show and which the intervals above do not include.</p>\n" +
-         html_list(data.fit.systematics);
 }
 
 std::string shared_scale(const ReportData& data) {
   if (data.shared_scale.empty()) return "";
   return "<h3>Scale of the recordings</h3>\n<p>" + sentence_html(data.shared_scale) + ".</p>\n";
 }
-
-}  // namespace
 
 std::string verdict_box(const ReportData& data) {
   const Verdict verdict = verdict_of(data);
@@ -156,12 +139,14 @@ std::string warning_box(const ReportData& data) {
                      html_list(data.warnings));
 }
 
+}  // namespace
+
 PageSection parameter_section(const ReportData& data, const std::vector<Figure>& figures) {
   PageSection section{"parameters", "Parameters", ""};
   if (!data.fitted()) return section;
   section.html = interval_table(data) + "<div class=\"columns\">\n<div>" + identifiability_text(data) +
-                 systematics(data) + shared_scale(data) + "</div>\n<div>" + correlation_table(data) +
-                 "</div>\n</div>\n" + figure_box(figures, "corner") + condition_table(data);
+                 shared_scale(data) + "</div>\n<div>" + correlation_table(data) + "</div>\n</div>\n" +
+                 figure_box(figures, "corner") + condition_table(data);
   return section;
 }
 
@@ -171,10 +156,6 @@ PageSection budget_section(const ReportData& data, const std::vector<Figure>& fi
   section.html =
       budget_table(data.fit) + figure_box(figures, "budget-shares") + figure_box(figures, "influence");
   return section;
-}
-
-PageSection citing_section(const ReportData& data) {
-  return {"citing", "Methods and how to cite", methods_html(data), true};
 }
 
 PageSection provenance_section(const ReportData& data) {
@@ -205,7 +186,7 @@ std::string result_table(const ReportData& data) {
   if (!data.fitted()) return "";
   const auto& described = data.fit.as_assumed;
   std::string html = fmt::format(
-      "<table id=\"result\" class=\"result\"><thead><tr><th>Parameter</th><th>Value, and 95 % "
+      "<table id=\"result\" class=\"result\"><thead><tr><th>Parameter</th><th>Estimate, 95 % "
       "interval</th>{}</tr></thead><tbody>\n",
       described.empty() ? "" : "<th>as described, rejected</th>");
   for (const fit::ParameterEstimate& p : data.fit.parameters) {
@@ -221,31 +202,47 @@ std::string result_table(const ReportData& data) {
     html += "</tr>\n";
   }
   return html +
-         "</tbody></table>\n<p class=\"note\">In parentheses the standard deviation of the last "
+         "</tbody></table>\n<p class=\"note\">In parentheses the standard uncertainty, in the last "
          "digits.</p>\n";
 }
 
-}  // namespace
+/// What the values assume, and what to do next.
+std::string basis(const ReportData& data) {
+  if (!data.fitted()) return "";
+  std::string html = "<div class=\"basis\"><h2>It assumes</h2>\n" + html_list(assumptions(data));
+  std::vector<std::string> steps;
+  if (data.fit.verdict != fit::Use::do_not_use && !data.fit.improve_first.empty())
+    steps.push_back(data.fit.improve_first);
+  if (const auto next = data.next_runs(); !next.empty()) steps.push_back(next.front().sentence);
+  std::string list;
+  if (data.fit.verdict == fit::Use::do_not_use)
+    list = "<li>Find out what is wrong: <a href=\"#check\">does the model describe the data?</a></li>";
+  for (const std::string& step : steps) list += "<li>" + sentence_html(step) + "</li>";
+  return html + (list.empty() ? "" : "<h2>Next</h2>\n<ul>" + list + "</ul>\n") + "</div>\n";
+}
 
+/// Of the figures the one shown there; empty where there is none.
 std::string first_figure(const std::vector<Figure>& figures) {
   for (const char* id : {"alpha-phi", "alpha-dtau", "trajectories", "slide-1"})
     if (std::ranges::find(figures, std::string(id), &Figure::id) != figures.end()) return id;
   return "";
 }
 
+PageSection citing_section(const ReportData& data) {
+  std::string html = "<p>" + sentence_html(methods_text(data)) + "</p>\n<h3>To cite</h3>\n<ul>";
+  for (const std::string& source : sources_to_cite(data)) html += "<li>" + escape_html(source) + "</li>";
+  return {"citing", "Methods and how to cite", html + "</ul>\n", true};
+}
+
+}  // namespace
+
 std::string first_screen(const ReportData& data, const std::vector<Figure>& figures) {
   const std::string figure = figure_box(figures, first_figure(figures)), picture = first_picture(data);
-  std::string html =
-      verdict_box(data) + "<div class=\"first\">\n<div class=\"values\">" + result_table(data) + "</div>\n";
+  std::string html = verdict_box(data) + "<div class=\"first\">\n<div class=\"values\">" +
+                     result_table(data) + "</div>\n" + basis(data);
   if (!picture.empty()) html += "<div class=\"picture\">" + picture + "</div>\n";
   if (!figure.empty()) html += "<div class=\"seen\">" + figure + "</div>\n";
   return html + "</div>\n" + warning_box(data);
-}
-
-std::string methods_html(const ReportData& data) {
-  std::string html = "<p>" + sentence_html(methods_text(data)) + "</p>\n<h3>To cite</h3>\n<ul>";
-  for (const std::string& source : sources_to_cite(data)) html += "<li>" + escape_html(source) + "</li>";
-  return html + "</ul>\n";
 }
 
 std::string page_of(const ReportData& data) {

@@ -291,8 +291,7 @@ bool holds_pictures(const fs::path& folder) {
 }  // namespace
 
 std::vector<fs::path> recordings_in(const fs::path& folder) {
-  if (!fs::is_directory(folder))
-    throw InvalidInput(fmt::format("{}: is no folder of recordings; give one", folder.string()));
+  if (!fs::is_directory(folder)) throw InvalidInput(fmt::format("{}: is not a folder", folder.string()));
   std::vector<fs::path> recordings;
   bool pictures = false;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {

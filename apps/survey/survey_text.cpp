@@ -164,7 +164,7 @@ std::vector<std::string> descriptions(const vision::Survey& seen) {
   for (std::size_t k = 0; k < seen.lamps.size(); ++k) {
     const vision::SurveyedLamp& lamp = seen.lamps[k];
     lines.push_back(
-        fmt::format("lamp L{}: ({:.1f}, {:.1f}) px, radius {:.1f} px, lit in {:.0f} % of the frames", k + 1,
+        fmt::format("LED L{}: ({:.1f}, {:.1f}) px, radius {:.1f} px, lit in {:.0f} % of the frames", k + 1,
                     lamp.circle.x, lamp.circle.y, lamp.circle.radius, 100 * lamp.lit_share));
   }
   if (seen.discs.empty())
@@ -186,7 +186,7 @@ std::string camera_section(const vision::Survey& seen, const vision::SourceInfo&
         fmt::format("disc {}, {}", mark - seen.discs.data() + 1, motion_text(*mark, seen.frames_looked_at)));
   if (!seen.lamps.empty())
     add("gate_px", seen.lamps.front().circle,
-        fmt::format("lamp L1, lit in {:.0f} % of the frames", 100 * seen.lamps.front().lit_share));
+        fmt::format("LED L1, lit in {:.0f} % of the frames", 100 * seen.lamps.front().lit_share));
   return text;
 }
 
@@ -230,7 +230,7 @@ Json targets(const vision::Survey& seen) {
       target("disc_px", "The part, a disc", "#50ff50", seen.part() ? numbers(seen.part()->circle) : Json()));
   list.push_back(target("marker_px", "A mark on the platform", "#33bbff",
                         seen.mark() ? numbers(seen.mark()->circle) : Json()));
-  list.push_back(target("gate_px", "The actuator's lamp", "#ff6060",
+  list.push_back(target("gate_px", "The gate LED", "#ff6060",
                         seen.lamps.empty() ? Json() : numbers(seen.lamps.front().circle)));
   Json rectangle = target("template_px", "A part that is no disc", "#ffd040", Json());
   rectangle["rectangle"] = true;

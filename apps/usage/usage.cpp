@@ -74,7 +74,7 @@ const std::vector<Left>& all_that_left() {
        "a sweep of 1e7 scenarios takes minutes; for several machines: `run --emit snakemake`"},
       {"track",
        {"--rehearse"},
-       "film uncompressed or FFV1; standard deviations count what the coder may have done"},
+       "film uncompressed or FFV1; standard deviations include what the codec may have done"},
       {"bench",
        {"--part", "--join"},
        "`bench coverage` runs whole, on all cores; `--campaigns N` says how many"},
@@ -171,7 +171,7 @@ std::string unexpected_word(const CLI::App& command, const std::vector<std::stri
   for (const std::string& word : typed) {
     const std::string flag = word.substr(0, word.find('='));
     if (flag.starts_with('-') && contains(left, word) && !contains(options, flag))
-      return fmt::format("`{}` is no option of `{}`{}", flag, command.get_name(),
+      return fmt::format("`{}` is not an option of `{}`{}", flag, command.get_name(),
                          meant(nearest_option(flag, options)));
   }
   const auto first =
@@ -193,14 +193,14 @@ std::string wrong_usage(const CLI::App& app, const CLI::ParseError& error,
     const std::vector<std::string> options = options_of(app);
     for (const std::string& option : typed)
       if (option.starts_with('-') && !contains(options, option.substr(0, option.find('='))))
-        return fmt::format("`{}` is no option of tribotrack itself{}", option,
+        return fmt::format("`{}` is not an option of tribotrack itself{}", option,
                            meant(nearest_option(option, options)));
     return fmt::format("a command is needed: {}", fmt::join(commands, ", "));
   }
   if (!is_command(app, word)) {
     std::vector<std::string> known = commands;
     known.insert(known.end(), {"--version", "--help"});
-    return fmt::format("`{}` is no command{}", word, meant(nearest_word(word, known)));
+    return fmt::format("`{}` is not a command{}", word, meant(nearest_word(word, known)));
   }
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError))
     return unexpected_word(*app.get_subcommand(word), typed);

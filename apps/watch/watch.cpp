@@ -64,7 +64,7 @@ bool opens_whole(const fs::path& path) {
 Arrivals::Arrivals(fs::path folder, const Options& options) : folder_(std::move(folder)), options_(options) {
   if (!fs::is_directory(folder_))
     throw InvalidInput(
-        fmt::format("{}: is no folder; give the one that the camera writes into", folder_.string()));
+        fmt::format("{}: is not a folder; give the one that the camera writes into", folder_.string()));
   // Where the system has no notifier left, polling does.
   notifier_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
   if (notifier_ >= 0) inotify_add_watch(notifier_, folder_.c_str(), IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE);

@@ -10,7 +10,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 "$tribotrack" report "$result" -o "$work/report.html" --figures "$work/figures" -q
-chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1280,1180 --virtual-time-budget=15000 \
+chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1280,930 --virtual-time-budget=15000 \
   --screenshot="$work/report.png" "file://$work/report.html" 2>/dev/null
 
 "$tribotrack" track out/quickstart/recordings/phi000_dtau120.cine --disc-diameter-mm 6 --marker 40,40,14 \

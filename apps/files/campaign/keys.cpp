@@ -57,7 +57,8 @@ const Keys<PlatformSection>& platform_keys() {
       {"gravity_m_s2_sd", Kind::sd_of_fit, at<&P::gravity_sd>, "0.001"},
       {"tilt_x_rad", Kind::angle, at<&P::tilt_x>, "\"0.1deg\"",
        "slope of the platform towards +x (right): gravity pulls with g sin(tilt)"},
-      {"tilt_x_rad_sd", Kind::sd_of_fit, at<&P::tilt_x_sd>, "0.0002", "what a spirit level leaves open"},
+      {"tilt_x_rad_sd", Kind::sd_of_fit, at<&P::tilt_x_sd>, "0.0002",
+       "by the resolution of the spirit level"},
       {"tilt_y_rad", Kind::angle, at<&P::tilt_y>, "0.0", "likewise towards +y (up)"},
       {"tilt_y_rad_sd", Kind::sd_of_fit, at<&P::tilt_y_sd>, "0.0002"},
   };
@@ -121,7 +122,7 @@ const Keys<CameraSection>& camera_keys() {
        "without marker_px: by the platform's own texture (as by itself where that moves); \"auto\": a round "
        "mark, else texture; \"none\"; \"tag:apriltag_36h11:3\": an ArUco or AprilTag tag"},
       {"gate_px", Kind::circle, at<&C::gate_px>, "[30, 30, 6]",
-       "a lamp that is lit while the actuator is on: phi and dtau are measured from it"},
+       "an LED that is on while the actuator is: phi and dtau are measured from it"},
   };
   return keys;
 }

@@ -8,14 +8,15 @@ namespace tribotrack::apps {
 
 std::string campaign_reference() {
   std::string text =
-      "A campaign is a TOML file: a lab's recordings and what is to be learnt from them. Units stand in the "
-      "names of keys.\nAngles are radians, or texts such as \"11pi/9\", \"-pi/2\", \"90deg\". KEY_sd is a "
-      "standard deviation. Nothing typed is exact:\na quantity without one has that of its last digit or of "
-      "the trade, the larger (A 0.5 %, A_y/A 1 %, w 1e-4, epsilon\n1 deg, level 2 mrad, inclines 0.1 deg, "
-      "caliper 0.02 mm; whole numbers and parts of pi have no last digit), also where\nit is not given. The "
-      "phase at the start that nothing shows is unknown. What the recordings show of it as well is\npooled "
-      "with it. [fit] exact says what is exact; g, frame rate and axis are. `tribotrack init DIR` writes a "
-      "campaign\nto start from, `tribotrack help campaign --json` prints these keys as a JSON Schema.\n";
+      R"(A campaign is a TOML file: a lab's recordings and what is to be estimated from them. Units stand in the names of
+keys. Angles are radians, or texts such as "11pi/9", "-pi/2", "90deg". KEY_sd is a standard deviation. No typed value
+is exact: without KEY_sd a quantity has the larger of two, that of its last digit and a typical one (A 0.5 %, A_y/A
+1 %, w 1e-4, epsilon 1 deg, level 2 mrad, inclines 0.1 deg, caliper 0.02 mm; whole numbers and parts of pi have no
+last digit), also if it is not given. A phase at the start that nothing shows is unknown. A value that the recordings
+show as well is combined with what they show. [fit] exact lists what is exact; g, frame rate and axis are.
+`tribotrack init DIR` writes a campaign to start from, `tribotrack help campaign --json` prints these keys as a JSON
+Schema, `tribotrack help uncertainty` says what every uncertainty means.
+)";
   for (const CampaignSection& section : campaign_sections()) {
     text += section.name.empty() ? fmt::format("\nFirst: {}\n", section.remark)
             : section.repeated   ? fmt::format("\n[[{}]]  {}\n", section.name, section.remark)

@@ -1,5 +1,5 @@
-// The files of pages and workflows and the conditions of the paper's figures, carried inside the program so
-// that an installed binary needs nothing beside it.
+// The files of pages and workflows, the manual and the conditions of the paper's figures, carried inside the
+// program so that an installed binary needs nothing beside it.
 #pragma once
 
 #include <span>
@@ -32,5 +32,14 @@ struct EmbeddedScenario {
 
 /// All of data/figure*.toml, by name.
 std::span<const EmbeddedScenario> paper_scenarios();
+
+/// A page of the manual: apps/manual/NAME.md, which begins with "# Title".
+struct ManualPage {
+  std::string_view name;  ///< "start-here"
+  std::string_view text;
+};
+
+/// All of apps/manual/*.md, by name.
+std::span<const ManualPage> manual_pages();
 
 }  // namespace tribotrack::apps

@@ -77,6 +77,16 @@ const TribotrackFigures = (function () {
     return most >= 1e5 || behind > 9 ? 7 : whole + (behind ? behind + 1 : 0) + (low < 0 ? 1 : 0);
   }
 
+  // A title in lines that fit beside an axis of this length, px: whole, in two, or its symbol and unit alone.
+  function fitted_title(text, length) {
+    const most = Math.max(3, Math.floor(length / (printing ? 5.6 : 6.2)));
+    if (text.length <= most) return text;
+    const blanks = Array.from(text.matchAll(/ /g), function (blank) { return blank.index; });
+    const middle = blanks.sort(function (a, b) { return Math.abs(a - text.length / 2) - Math.abs(b - text.length / 2); })[0];
+    if (middle && Math.max(middle, text.length - middle - 1) <= most) return text.slice(0, middle) + "<br>" + text.slice(middle + 1);
+    return text.split(" ").slice(-2).join(" ");
+  }
+
   // Where each panel lies in a box of this size, px.
   function cells_of(figure, width, height) {
     const columns = figure.columns;
@@ -91,11 +101,12 @@ const TribotrackFigures = (function () {
     const rooms = weight.map(function (w, r) { return room(r); });
     const used = rooms.reduce(function (sum, r) { return sum + r.above + r.below; }, 0);
     const unit = (height - used) / weight.reduce(function (a, b) { return a + b; }, 0);
+    const lines_of = function (axis, i) { return fitted_title(axis.title.text, weight[row_of(i)] * unit).split("<br>").length; };
     const left = function (c) {  // of the axes of a column
       return figure.panels.reduce(function (room, p, i) {
         const axis = y_of(figure, i);
         if (i % columns !== c || !axis || axis.showticklabels === false) return room;
-        return Math.max(room, Math.min(0.4 * width, 34 + 6.7 * label_length(axis)));
+        return Math.max(room, Math.min(0.4 * width, (lines_of(axis, i) > 1 ? 50 : 34) + 6.7 * label_length(axis)));
       }, 12);
     };
     const lefts = Array.from({ length: columns }, function (v, c) { return left(c); }), right = 12;
@@ -148,7 +159,8 @@ const TribotrackFigures = (function () {
         x.tickvals = x.tickvals.filter(kept);
         x.ticktext = x.ticktext.filter(kept);
       }
-      if (!x.tickvals && x.type !== "log") Object.assign(x, { nticks: Math.max(2, Math.min(8, room)), tickangle: 0 });
+      if (!x.tickvals && x.type !== "log") Object.assign(x, { nticks: Math.max(1, Math.min(8, room)), tickangle: 0 });
+      y.title.text = fitted_title(y.title.text, (cell.y[1] - cell.y[0]) * area);
       if (!y.tickvals && y.type !== "log") y.nticks = Math.max(3, Math.round((cell.y[1] - cell.y[0]) * area / 34));
       layout["xaxis" + number_of(i)] = x;
       layout["yaxis" + number_of(i)] = y;
@@ -169,7 +181,14 @@ const TribotrackFigures = (function () {
   function add_legend(box, data) {
     const names = new Map();
     data.forEach(function (trace) { if (trace.showlegend && trace.name && !names.has(trace.name)) names.set(trace.name, trace); });
-    if (names.size < 1 || box.nextElementSibling.classList.contains("legend")) return;
+    const known = box.nextElementSibling;
+    if (known.classList.contains("legend")) {  // in the colours of the screen, or of paper
+      Array.from(names.values()).forEach(function (trace, k) {
+        if (known.children[k]) known.children[k].firstChild.style.color = (trace.line || trace.marker).color;
+      });
+      return;
+    }
+    if (names.size < 1) return;
     const legend = document.createElement("div");
     legend.className = "legend";
     names.forEach(function (trace, name) {
@@ -223,7 +242,6 @@ const TribotrackFigures = (function () {
   // An A4 sheet without its margins is 695 px wide.
   function width_on_paper(id) {
     const box = box_of(id);
-    if (box.closest(".alone")) return 695;
     return box.closest(".pair") ? 338 : box.closest(".first") ? 285 : Math.round(695 * Math.min(1, figures.get(id).width || 1));
   }
 
@@ -237,9 +255,9 @@ const TribotrackFigures = (function () {
     box.style.height = made.layout.height + "px";
     box.style.width = width ? width + "px" : "";
     Plotly.react(box, made.data, made.layout, CONFIG);
+    add_legend(box, made.data);
     if (seen.has(id)) return;
     seen.add(id);
-    add_legend(box, made.data);
     box.addEventListener("keydown", on_key);
     const noted = document.documentElement.dataset;
     noted.drawn = String(++drawn);
@@ -314,5 +332,5 @@ const TribotrackFigures = (function () {
                           { format: "svg", width: width, height: made.layout.height, imageDataOnly: true });
   }
 
-  return { start: start, draw: draw, csv_of: csv_of, svg_of: svg_of, for_print: for_print };
+  return { start: start, draw: draw, ids: function () { return Array.from(figures.keys()); }, csv_of: csv_of, svg_of: svg_of, for_print: for_print };
 })();

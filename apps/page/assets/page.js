@@ -55,18 +55,47 @@
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + new XMLSerializer().serializeToString(copy);
   }
 
-  // Prints one part of the page by itself: "Save as PDF" in the browser's dialogue.
-  function print_alone(element) {
-    const parts = [];
-    for (let part = element; part && part !== document.body; part = part.parentElement) parts.push(part);
-    parts.forEach(function (part) { part.classList.add("alone"); });
-    root.classList.add("print-alone");
-    addEventListener("afterprint", function () {
-      root.classList.remove("print-alone");
-      parts.forEach(function (part) { part.classList.remove("alone"); });
-    }, { once: true });
-    window.print();
+  // A .zip of texts, stored as they are (PKWARE's APPNOTE 6.3: local headers, directory, end).
+  function zip_of(files) {
+    const table = Array.from({ length: 256 }, function (v, n) {
+      for (let k = 0; k < 8; ++k) n = n & 1 ? 0xedb88320 ^ (n >>> 1) : n >>> 1;
+      return n >>> 0;
+    });
+    const numbers = function (fields) {  // [value, bytes]..., the lowest byte first
+      return Uint8Array.from(fields.flatMap(function (field) {
+        return Array.from({ length: field[1] }, function (v, k) { return (field[0] >>> (8 * k)) & 255; });
+      }));
+    };
+    const parts = [], directory = [];
+    let at = 0;
+    files.forEach(function (file) {
+      const name = new TextEncoder().encode(file[0]), bytes = new TextEncoder().encode(file[1]);
+      const crc = (bytes.reduce(function (c, b) { return table[(c ^ b) & 255] ^ (c >>> 8); }, -1) ^ -1) >>> 0;
+      const head = [[20, 2], [0x800, 2], [0, 2], [0, 2], [0x21, 2], [crc, 4], [bytes.length, 4], [bytes.length, 4], [name.length, 2], [0, 2]];
+      parts.push(numbers([[0x04034b50, 4], ...head]), name, bytes);
+      directory.push(numbers([[0x02014b50, 4], [20, 2], ...head, [0, 2], [0, 2], [0, 2], [0, 4], [at, 4]]), name);
+      at += 30 + name.length + bytes.length;
+    });
+    const length = directory.reduce(function (sum, part) { return sum + part.length; }, 0);
+    const end = numbers([[0x06054b50, 4], [0, 2], [0, 2], [files.length, 2], [files.length, 2], [length, 4], [at, 4], [0, 2]]);
+    return new Blob([...parts, ...directory, end], { type: "application/zip" });
   }
+
+  // Every figure as SVG and CSV, every table as CSV.
+  function everything() {
+    const tables = Array.from(document.querySelectorAll("table[id]"), function (table) { return [table.id + ".csv", table_csv(table)]; });
+    const ids = TribotrackFigures.ids();
+    const numbers = ids.map(function (id) { return [id + ".csv", TribotrackFigures.csv_of(id)]; });
+    return Promise.all(ids.map(function (id) { return TribotrackFigures.svg_of(id); })).then(function (texts) {
+      return zip_of([...tables, ...numbers, ...texts.map(function (text, k) { return [ids[k] + ".svg", text]; })]);
+    });
+  }
+  const all = document.createElement("button");
+  all.type = "button";
+  all.id = "download-all";
+  all.textContent = "Download all figures and tables";
+  all.addEventListener("click", function () { everything().then(function (zip) { save("all.zip", "application/zip", zip); }); });
+  document.querySelector("h1").before(all);
 
   function tools(what, actions) {
     const bar = document.createElement("div");
@@ -93,16 +122,14 @@
       ["CSV", function () { save(id + ".csv", "text/csv", TribotrackFigures.csv_of(id)); }],
       ["SVG", function () {
         TribotrackFigures.svg_of(id).then(function (svg) { save(id + ".svg", "image/svg+xml", svg); });
-      }],
-      ["PDF", function () { print_alone(figure); }]]));
+      }]]));
   });
 
   document.querySelectorAll("figure.frame").forEach(function (figure) {
     const svg = figure.querySelector("svg"), name = figure.id;
     figure.append(tools("the picture of " + title_of(figure), [
       ["CSV", function () { save(name + ".csv", "text/csv", path_csv(svg)); }],
-      ["SVG", function () { save(name + ".svg", "image/svg+xml", svg_text(svg)); }],
-      ["PDF", function () { print_alone(figure); }]]));
+      ["SVG", function () { save(name + ".svg", "image/svg+xml", svg_text(svg)); }]]));
     const enlarge = function () { figure.classList.toggle("big"); };
     svg.addEventListener("click", enlarge);
     const bar = figure.querySelector(".tools"), button = document.createElement("button");
@@ -116,8 +143,7 @@
   document.querySelectorAll("table[id]").forEach(function (table) {
     const name = table.id, holder = table.closest(".wide") || table;
     holder.after(tools("table " + name, [
-      ["CSV", function () { save(name + ".csv", "text/csv", table_csv(table)); }],
-      ["PDF", function () { print_alone(holder); }]]));
+      ["CSV", function () { save(name + ".csv", "text/csv", table_csv(table)); }]]));
   });
 
   // A table's rows in the order of a column: by its numbers where it has them.
@@ -177,8 +203,7 @@
 
   const opened_for_print = [];
   addEventListener("beforeprint", function () {
-    if (!root.classList.contains("print-alone"))
-      document.querySelectorAll("details.print:not([open])").forEach(function (d) { d.open = true; opened_for_print.push(d); });
+    document.querySelectorAll("details.print:not([open])").forEach(function (d) { d.open = true; opened_for_print.push(d); });
     TribotrackFigures.for_print(true);
   });
   addEventListener("afterprint", function () {

@@ -1,15 +1,16 @@
 """From high-speed video of a part on a vibrating platform to its friction parameters.
 
 The functions are the commands of the program `tribotrack` of the same name: keywords are its flags, results its
-files, as dicts of NumPy arrays and numbers whose names hold the units. Angles are radians, or texts such as
-"pi/3" and "90deg". Long work leaves other Python threads running and ends on Ctrl-C.
+files, as dicts of NumPy arrays and numbers whose names hold the units and are attributes, too. They print in a few lines,
+plot() draws them, to_dataframe() makes a pandas table of them. Angles are radians, or texts such as "pi/3" and "90deg". Long
+work leaves other Python threads running and ends on Ctrl-C.
 
     import tribotrack
     run = tribotrack.simulate(mu1=0.1, phi_rad="pi/2", cycles=20)
-    print(run["alpha_rad"], run["v_mm_s"])
+    print(run.alpha_rad, run.v_mm_s)
     track = tribotrack.track("phi000.cine", disc_diameter_mm=6, marker="auto")
-    print(tribotrack.measure(track)["alpha_rad"])
-    print(tribotrack.fit("campaign.toml")["parameters"]["mu1"])
+    print(tribotrack.measure(track).alpha_rad)
+    print(tribotrack.fit("campaign.toml"))
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from typing import TYPE_CHECKING
 from tribotrack import _core
 from tribotrack._core import __version__
 from tribotrack._errors import AmbiguousPartError, InputError, MissingFileError, QualityWarning
+from tribotrack._results import Fit, Measurement, Simulation, Sweep, Track, wrapped
 
 if TYPE_CHECKING:
     import os
@@ -28,8 +30,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from tribotrack._results import Floats, Simulation, Track
-
     Angle = Union[float, str]
     Path = Union[str, os.PathLike[str]]
     Circle = tuple[float, float, float]
@@ -37,9 +37,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AmbiguousPartError",
+    "Fit",
     "InputError",
+    "Measurement",
     "MissingFileError",
     "QualityWarning",
+    "Simulation",
+    "Sweep",
+    "Track",
     "__version__",
     "fit",
     "measure",
@@ -100,7 +105,7 @@ def simulate(
         InputError: a value out of its range; MissingFileError: no such scenario.
     """
     values = {name: value for name, value in locals().items() if name != "scenario"}
-    return _core.simulate(scenario, values)  # type: ignore[return-value]
+    return Simulation(_core.simulate(scenario, values))
 
 
 def sweep(
@@ -111,7 +116,7 @@ def sweep(
     threads: Optional[int] = None,
     progress: Optional[Progress] = None,
     **conditions: Angle,
-) -> dict[str, Floats]:
+) -> Sweep:
     """alpha and v of the model over one or two parameters, as `tribotrack sweep`, on all cores.
 
     Args:
@@ -128,7 +133,7 @@ def sweep(
     """
     if over is not None:
         over = {name: _listed(values) for name, values in over.items()}
-    return _core.sweep(scenario, over, {**conditions, "start": start}, threads, progress)
+    return Sweep(_core.sweep(scenario, over, {**conditions, "start": start}, threads, progress))
 
 
 def track(
@@ -182,7 +187,7 @@ def track(
 
     Returns:
         The columns of T.csv as arrays, `status` ("ok", "lost", "edge", "repeat") among them, and `meta`, what stands in
-        its meta file. pandas.DataFrame({k: v for k, v in track.items() if k != "meta"}) makes a table of it.
+        its meta file.
 
     Raises:
         InputError, MissingFileError; AmbiguousPartError: several discs may be the part.
@@ -191,7 +196,7 @@ def track(
         QualityWarning: the part was lost too often, or is no moving part.
     """
     options = {name: value for name, value in locals().items() if name not in ("source", "progress")}
-    return _core.track(source, options, progress)  # type: ignore[return-value]
+    return Track(_core.track(source, options, progress))
 
 
 def measure(
@@ -209,7 +214,7 @@ def measure(
     track_frame: Optional[str] = None,
     track_point: Optional[str] = None,
     track_mark: Optional[str] = None,
-) -> dict[str, Any]:
+) -> Measurement:
     """alpha, v and what else one track shows, as `tribotrack measure --json`.
 
     Args:
@@ -226,7 +231,7 @@ def measure(
         under the same name and _sd.
     """
     options = {name: value for name, value in locals().items() if name != "track"}
-    return _core.measure(track, options)
+    return Measurement(wrapped(_core.measure(track, options)))
 
 
 def fit(
@@ -242,13 +247,13 @@ def fit(
     threads: Optional[int] = None,
     progress: Optional[Progress] = None,
     **conditions: Any,
-) -> dict[str, Any]:
+) -> Fit:
     """mu1, mu2 and the actuator's phase lag with their uncertainty, as `tribotrack fit`.
 
     Args:
         campaign: the path of a campaign file; a dict of its structure, paths in it relative to the working folder; or a
-            table of displacements, a pandas DataFrame or a dict of arrays with the columns phi_rad, dtau_rad,
-            alpha_rad, alpha_sd_rad, v_mm_s, v_sd_mm_s and any other key of [[run]].
+            table of displacements: a pandas DataFrame, a dict of arrays, or the path of a .csv, .tsv, .txt or .dat, with
+            columns as the command line reads them: phi_rad or "phi (deg)", dtau, alpha, v, their sd, and any other key of [[run]].
         part: which of the campaign's several [[part]].
         tracks: folder with the runs' tracks, NAME.csv; without it videos are tracked now.
         allow_missing: go on where up to so many runs are not usable.
@@ -256,11 +261,12 @@ def fit(
         compare_models: compare tilt and other laws of friction in any case.
         threads: at work; all where not given. progress: called as progress(stage, done, total).
         conditions: of a table: amplitude_mm, amplitude_y_mm, angular_frequency_rad_s, phase_shift_rad, gravity_m_s2,
-            tilt_x_rad, tilt_y_rad, each also with _sd; parameters, start, cycles, fixed, guess, prior as in [fit].
+            tilt_x_rad, tilt_y_rad, each also with _sd; parameters, start, cycles, fixed, guess, prior, exact as in [fit];
+            alpha_sd_rad, v_sd_mm_s of lines that have none.
 
     Returns:
-        What stands in fit.json: parameters[NAME]["estimate"], ["sd"], ["ci95"], correlation, chi2, dof, converged,
-        identifiability, runs, budget, warnings, next_experiment, ...
+        What stands in fit.json: parameters.mu1.estimate, .sd, .ci95, correlation, chi2, dof, converged, identifiability,
+        runs, budget, warnings, next_experiment, ...
 
     Raises:
         InputError, MissingFileError.
@@ -270,10 +276,6 @@ def fit(
     """
     from tribotrack import _tables
 
-    if _tables.is_table(campaign):
-        campaign = _tables.campaign_of(campaign, conditions)
-    elif conditions:
-        raise InputError(f"{', '.join(conditions)}: conditions stand in the campaign, beside a table only")
     options = {
         "part": part,
         "tracks": tracks,
@@ -284,7 +286,12 @@ def fit(
         "compare_models": compare_models,
         "threads": threads,
     }
-    return _core.fit(campaign, options, progress)
+    if _tables.is_table(campaign):
+        with _tables.campaign_of(campaign, conditions) as table:
+            return Fit(wrapped(_core.fit(table, options, progress)))
+    if conditions:
+        raise InputError(f"{', '.join(conditions)}: conditions stand in the campaign, beside a table only")
+    return Fit(wrapped(_core.fit(campaign, options, progress)))
 
 
 def _listed(values: Any) -> Any:

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -115,6 +116,7 @@ void read_fit(const Json& json, ReportData& data) {
   const JsonPlace place{json, ""};
   data.fit = json.get<fit::FitResult>();
   data.warnings = std::exchange(data.fit.warnings, {});
+  data.exact = place.texts("taken_as_exact");
   data.phase_reference = place.text("phase_reference");
   if (const auto shared = place.find("shared_scale")) data.shared_scale = shared->text("finding");
   for (const JsonPlace& row : place.items("conditions"))
@@ -278,6 +280,7 @@ ReportData collect(const Json& fit, const Json& meta, const RunFolder& folder, c
   }
   add_curves(data, most_steps);
   data.warnings.insert(data.warnings.end(), data.missing.begin(), data.missing.end());
+  data.warnings = pooled_by_cause(data.warnings, data.runs);
   return data;
 }
 
@@ -305,14 +308,56 @@ Seen read_recording(const RunFolder& folder, const ReportRun& run, ReportData& d
 
 [[noreturn]] void refuse_file(const fs::path& file) {
   if (file.filename() == "fit.json")
-    throw InvalidInput(
-        fmt::format("{}: is no folder; name the folder that `run` filled: `tribotrack report {} -o r.html`",
-                    file.string(), file.has_parent_path() ? file.parent_path().string() : "."));
+    throw InvalidInput(fmt::format(
+        "{}: is not a folder; name the folder that `run` filled: `tribotrack report {} -o r.html`",
+        file.string(), file.has_parent_path() ? file.parent_path().string() : "."));
   throw InvalidInput(fmt::format(
-      "{}: is no folder; name one that `tribotrack run CAMPAIGN.toml -o DIR` filled", file.string()));
+      "{}: is not a folder; name one that `tribotrack run CAMPAIGN.toml -o DIR` filled", file.string()));
 }
 
 }  // namespace
+
+std::vector<std::string> pooled_by_cause(const std::vector<std::string>& sentences,
+                                         const std::vector<ReportRun>& runs) {
+  struct Cause {
+    std::string without_numbers, whole;
+    std::vector<std::string> runs, sentences;
+  };
+  std::vector<Cause> causes;
+  for (const std::string& whole : sentences) {
+    std::string name, sentence = whole;
+    for (const ReportRun& run : runs)
+      for (const std::string& start : {run.name + ": ", "run " + run.name + ": "})
+        if (sentence.starts_with(start)) {
+          name = run.name;
+          sentence.erase(0, start.size());
+        }
+    std::string key = name.empty() ? sentence : "";
+    if (!name.empty())
+      std::ranges::copy_if(sentence, std::back_inserter(key),
+                           [](unsigned char c) { return !std::isdigit(c); });
+    auto cause = std::ranges::find(causes, key, &Cause::without_numbers);
+    if (cause == causes.end()) cause = causes.insert(causes.end(), {key, whole, {}, {}});
+    if (!name.empty() && std::ranges::find(cause->runs, name) == cause->runs.end())
+      cause->runs.push_back(name);
+    if (std::ranges::find(cause->sentences, sentence) == cause->sentences.end())
+      cause->sentences.push_back(sentence);
+  }
+  std::vector<std::string> lines;
+  for (const Cause& cause : causes) {
+    if (cause.runs.size() < 2) {
+      lines.push_back(cause.whole);
+      continue;
+    }
+    lines.push_back((cause.runs.size() == runs.size()
+                         ? fmt::format("all {} runs: ", runs.size())
+                         : fmt::format("runs {}: ", fmt::join(cause.runs, ", "))) +
+                    cause.sentences.front());
+    if (cause.sentences.size() > 1)
+      lines.back() += fmt::format(" (in {}; in the others likewise)", cause.runs.front());
+  }
+  return lines;
+}
 
 void add_provenance(const Json& meta, const fs::path& file, ReportData& data) {
   reading(file, [&] { read_meta(meta, file, data); });

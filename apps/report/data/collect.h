@@ -27,6 +27,11 @@ ReportData collect(const ReportInput& input);
 /// the model, for its curves (curves.h).
 ReportData collect(const RunFolder& folder, long most_steps = kMostCurveSteps);
 
+/// Sentences that differ in the run they name, and in numbers, as one each: "runs a, b: ..."; in the order of
+/// the first of each.
+std::vector<std::string> pooled_by_cause(const std::vector<std::string>& sentences,
+                                         const std::vector<ReportRun>& runs);
+
 /// Title, version, inputs, effective configuration and what it gave, from the meta file. After data.fit and
 /// data.conditions. Throws InvalidInput, naming `file`.
 void add_provenance(const Json& meta, const std::filesystem::path& file, ReportData& data);

@@ -45,7 +45,7 @@ struct ReportRun {
   std::string gate_source;               ///< "lamp", "scope", "lamp and scope"; empty: as commanded
 
   Track track;  ///< at the scale used; empty without one
-  std::size_t frames_ok() const { return track.frames - track.lost - track.edge; }
+  std::size_t frames_ok() const { return track.frames - track.lost - track.edge - track.repeats; }
   /// Median sds of a tracked position, per axis, and of a rotation.
   double sigma_px = no_value, sigma_theta_rad = no_value;
   std::vector<unsigned char>
@@ -102,8 +102,9 @@ struct ReportData {
   bool fitted() const { return !fit.parameters.empty(); }
   std::vector<fit::NextExperiment> next_runs() const;  ///< the best for all parameters first
   std::vector<ReportCondition> conditions;
-  std::string phase_reference;  ///< what phi counts from: a sentence
-  std::string shared_scale;     ///< the scale the recordings share: a sentence
+  std::vector<std::string> exact;  ///< campaign keys of what was taken as exact
+  std::string phase_reference;     ///< what phi counts from: a sentence
+  std::string shared_scale;        ///< the scale the recordings share: a sentence
 
   std::vector<ReportRun> runs;
   std::vector<ReportGroup> over_phi;   ///< figures 9a and v against phi

@@ -1,4 +1,4 @@
-#include "apps/report/page/results.h"
+#include "apps/report/page/page.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "apps/page/text.h"
-#include "apps/report/findings/verdict.h"
-#include "apps/report/page/runs.h"
+#include "apps/report/tables/verdict.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -35,21 +34,20 @@ std::string slide_row(const fit::SlideResult& s) {
 /// mu1 slide by slide, and whether they differ by chance.
 std::string slide_table(const fit::FitResult& fit) {
   if (fit.slides.empty()) return "";
-  std::string html =
-      "<div class=\"wide\"><table id=\"slide-table\" class=\"compact\"><thead><tr><th>slide</th><th "
-      "class=\"n\">μ<sub>1</sub></th><th class=\"n\">95 % interval</th><th class=\"n\">rim speed / slide "
-      "speed</th><th class=\"n\">χ² / d.o.f.</th><th class=\"n\">frames used</th><th>blow or "
-      "collision</th></tr></thead><tbody>";
-  for (const fit::SlideResult& slide : fit.slides) html += slide_row(slide);
-  html += "</tbody></table></div>\n";
+  std::string rows;
+  for (const fit::SlideResult& slide : fit.slides) rows += slide_row(slide);
+  std::string html = table("slide-table", "compact",
+                           {"slide", ">μ<sub>1</sub>", ">95 % interval", ">edge speed / sliding speed",
+                            ">χ² / d.o.f.", ">frames used", "blow or collision"},
+                           rows);
   html +=
-      "<p class=\"note\">A spinning disc is braked less; where its turning is seen, that is counted. Where "
-      "not, “half” says how much larger μ<sub>1</sub> would be had the rim moved half as fast as the part "
-      "slid.";
+      "<p class=\"note\">A spinning disc decelerates more slowly; the fit accounts for it if the rotation is "
+      "measured. If not, “half” says how much larger μ<sub>1</sub> would be with an edge speed of half the "
+      "sliding speed.";
   if (fit.slides.size() > 1)
     html += fmt::format(
         " Between slides μ<sub>1</sub> scatters with a standard deviation of {} ({}); the interval of "
-        "the mean counts it, by Student’s t of {} degrees of freedom.",
+        "the mean includes it, by Student’s t with {} degrees of freedom.",
         number(fit.between_slides, 2),
         fit.between_slides_p_value < 0.05
             ? "more than chance explains, p = " + number(fit.between_slides_p_value, 2)
@@ -66,7 +64,13 @@ PageSection dependence_section(const ReportData& data, const std::vector<Figure>
   std::string boxes;
   for (const char* id : {"alpha-phi", "alpha-dtau", "v-phi", "v-dtau", "trajectories"})
     boxes += box_unless(figures, id, shown);
-  if (!boxes.empty()) section.html = "<div class=\"pair\">\n" + boxes + "</div>\n";
+  if (!data.over_phi.empty() || !data.over_dtau.empty())
+    section.html =
+        "<p class=\"caption\">Points: measured, with one standard uncertainty. Lines: the model at the "
+        "fitted "
+        "parameters, with its 95 % band. Below: measured minus modelled, divided by the standard deviation "
+        "that χ² uses; 19 of 20 are expected in the grey stripe.</p>\n";
+  if (!boxes.empty()) section.html += "<div class=\"pair\">\n" + boxes + "</div>\n";
   if (shown.starts_with("alpha-"))
     section.html += fmt::format(
         "<p class=\"note\">The <a href=\"#figure-{}\">first figure of this page</a> belongs here, "
@@ -86,10 +90,6 @@ PageSection dependence_section(const ReportData& data, const std::vector<Figure>
         "figure 11) are "
         "left out.</p>\n";
   return section;
-}
-
-PageSection picture_section(const ReportData& data) {
-  return {"pictures", "The paths over the first frames", pictures_of_runs(data), true};
 }
 
 PageSection slide_section(const ReportData& data, const std::vector<Figure>& figures,
@@ -155,13 +155,10 @@ std::string interval_note(const ReportData& data, const std::vector<IntervalColu
 
 std::string interval_table(const ReportData& data) {
   const std::vector<IntervalColumn> columns = interval_columns(data);
-  std::string html = fmt::format(
-      "<div class=\"wide\"><table id=\"parameter-table\" "
-      "class=\"parameters{}\"><thead><tr><th>Parameter</th><th "
-      "class=\"n\">Value (sd of the last digits)</th>",
-      columns.size() > 2 ? " many" : "");
-  for (const IntervalColumn& column : columns) html += fmt::format("<th class=\"n\">{}</th>", column.heading);
-  html += "<th>Unit</th><th>What it is</th></tr></thead><tbody>\n";
+  std::vector<std::string> headings = {"Parameter", ">Estimate (standard uncertainty)"};
+  for (const IntervalColumn& column : columns) headings.push_back(fmt::format(">{}", column.heading));
+  headings.insert(headings.end(), {"Unit", "What it is"});
+  std::string html;
   for (const fit::ParameterEstimate& p : data.fit.parameters) {
     const ParameterText shown = parameter_text(p.parameter);
     html += "<tr><th>" + shown.symbol + "</th>" +
@@ -174,7 +171,8 @@ std::string interval_table(const ReportData& data) {
               "</td>";
     html += cell(shown.unit.empty() ? "1" : shown.unit) + cell(shown.meaning) + "</tr>\n";
   }
-  return html + "</tbody></table></div>\n" + interval_note(data, columns);
+  return table("parameter-table", columns.size() > 2 ? "parameters many" : "parameters", headings, html) +
+         interval_note(data, columns);
 }
 
 namespace {
@@ -210,16 +208,12 @@ std::string interval(const fit::Interval& range) {
 }
 
 std::string next_table(const ReportData& data) {
-  std::string html =
-      "<div class=\"wide\"><table id=\"next-runs\" class=\"next\"><thead><tr><th>Best for</th><th "
-      "class=\"n\">φ</th><th "
-      "class=\"n\">Δτ</th><th class=\"n\">A, mm</th><th class=\"n\">ω, rad/s</th>";
+  std::vector<std::string> headings = {"Best for", ">φ", ">Δτ", ">A, mm", ">ω, rad/s"};
   for (const fit::ParameterEstimate& p : data.fit.parameters) {
     const ParameterText shown = parameter_text(p.parameter);
-    html += fmt::format("<th class=\"n\">{}{}</th>", shown.symbol,
-                        shown.unit.empty() ? "" : fmt::format(", {}", shown.unit));
+    headings.push_back(">" + shown.symbol + (shown.unit.empty() ? "" : ", " + shown.unit));
   }
-  html += "</tr></thead><tbody>\n<tr><td>the runs so far</td><td></td><td></td><td></td><td></td>";
+  std::string html = "<tr><td>the runs so far</td><td></td><td></td><td></td><td></td>";
   for (const fit::ParameterEstimate& p : data.fit.parameters) html += number_cell(interval(p.ci95));
   html += "</tr>\n";
   for (const Row& row : rows_of(data.next_runs())) {
@@ -232,10 +226,10 @@ std::string next_table(const ReportData& data) {
     }
     html += "</tr>\n";
   }
-  html +=
-      "</tbody></table></div>\n<p class=\"note\">95 % intervals now, and as predicted with one more run, "
-      "measured as well as those so far. A run at another A or ω helps only if the platform can be driven "
-      "so.";
+  html = table("next-runs", "next", headings, html) +
+         "<p class=\"note\">95 % intervals now, and as predicted with one more run, measured as well as "
+         "those so far. "
+         "A run at another A or ω helps only if the platform can be driven so.";
   if (data.fit.identifiability.verdict == fit::Verdict::not_identifiable)
     html +=
         " The prediction assumes the values above, which these runs do not determine: the widths of the "

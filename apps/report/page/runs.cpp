@@ -1,4 +1,4 @@
-#include "apps/report/page/runs.h"
+#include "apps/report/page/page.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "apps/page/text.h"
+#include "apps/report/data/collect.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -39,7 +40,8 @@ std::string run_row(const ReportRun& run, std::size_t index) {
   }
   html += number_cell(run.cycles > 0 ? std::to_string(run.cycles) : "–");
   const Track& track = run.track;
-  html += number_cell(track.frames > 0 ? fmt::format("{} / {} / {}", run.frames_ok(), track.lost, track.edge)
+  html += number_cell(track.frames > 0 ? fmt::format("{} / {} / {} / {}", run.frames_ok(), track.lost,
+                                                     track.edge, track.repeats)
                                        : "no video");
   html += number_cell(rounded(run.sigma_px, run.sigma_px));
   std::string time_base = track.frame_rate_hz ? number(*track.frame_rate_hz, 6) + " Hz" : "";
@@ -112,28 +114,26 @@ PageSection run_section(const ReportData& data) {
   PageSection section{"runs", "Runs", "", true};
   if (data.runs.empty()) return section;
   std::string& html = section.html;
-  html =
-      "<div class=\"wide\"><table id=\"run-table\" class=\"runs sortable\"><thead><tr><th "
-      "class=\"n\">#</th><th>Run</th><th "
-      "class=\"n\">φ</th><th class=\"n\">Δτ</th><th class=\"n\">α, rad</th><th class=\"n\">model</th><th "
-      "class=\"n\">v, mm/s</th><th class=\"n\">model</th><th class=\"n\">cycles</th><th class=\"n\">frames "
-      "found / lost / edge</th><th class=\"n\">σ, px</th><th>Frame rate from</th></tr></thead><tbody>\n";
-  for (std::size_t i = 0; i < data.runs.size(); ++i) html += run_row(data.runs[i], i);
+  std::string rows;
+  for (std::size_t i = 0; i < data.runs.size(); ++i) rows += run_row(data.runs[i], i);
+  html = table("run-table", "runs sortable",
+               {">#", "Run", ">φ", ">Δτ", ">α, rad", ">model", ">v, mm/s", ">model", ">cycles",
+                ">frames found / lost / edge / repeated", ">σ, px", "Frame rate from"},
+               rows);
   html +=
-      "</tbody></table></div>\n<p class=\"note\">In parentheses one standard deviation of the last digits. "
+      "<p class=\"note\">In parentheses one standard uncertainty, in the last "
+      "digits. "
       "α: direction "
       "of the displacement, counter-clockwise from the platform’s x axis; v: mean velocity over the whole "
-      "cycles "
-      "counted. Frames: part found, lost, or at the edge of the picture. σ: median standard deviation of a "
+      "cycles. Frames: part found, lost, at the edge of the picture, or stored twice. σ: median standard "
+      "deviation of a "
       "tracked position, per axis. The table is sorted by a click on a heading; <code>runs.csv</code> holds "
       "it with all "
       "digits.</p>\n";
-  std::string notes;
-  for (std::size_t i = 0; i < data.runs.size(); ++i)
-    for (const std::string& note : data.runs[i].notes)
-      notes += fmt::format("<li><b>{}</b> {}: {}</li>", i + 1, escape_html(data.runs[i].name),
-                           sentence_html(note));
-  if (!notes.empty()) html += "<h3>Remarks</h3>\n<ul>" + notes + "</ul>\n";
+  std::vector<std::string> notes;
+  for (const ReportRun& run : data.runs)
+    for (const std::string& note : run.notes) notes.push_back(run.name + ": " + note);
+  if (!notes.empty()) html += "<h3>Remarks</h3>\n" + html_list(pooled_by_cause(notes, data.runs));
   return section;
 }
 
@@ -164,7 +164,7 @@ std::string platform_numbers(const ReportRun& run) {
 }  // namespace
 
 PageSection audit_section(const ReportData& data) {
-  PageSection section{"audit", "What the recordings say of σ", "", true};
+  PageSection section{"audit", "Are the stated uncertainties right?", "", true};
   std::string rows;
   for (std::size_t i = 0; i < data.runs.size(); ++i) {
     const vision::Audit& audit = data.runs[i].track.audit;
@@ -180,17 +180,15 @@ PageSection audit_section(const ReportData& data) {
   }
   if (rows.empty()) return section;
   section.html =
-      "<div class=\"wide\"><table id=\"audit-table\" class=\"compact\"><thead><tr><th "
-      "class=\"n\">#</th><th>Run</th><th class=\"n\">left / "
-      "right</th><th class=\"n\">top / bottom</th><th class=\"n\">frame to frame</th><th "
-      "class=\"n\">lag 1</th><th class=\"n\">σ widened by</th><th class=\"n\">slow part added, "
-      "px</th></tr></thead><tbody>\n" +
-      rows +
-      "</tbody></table></div>\n<p class=\"note\">Ratios of what is seen to what the tracking’s own "
-      "standard deviations predict; 1 is right. The first two compare positions from complementary "
-      "halves of the part’s pixels. Frame to frame: scatter of consecutive positions where the motion is "
-      "slow. Lag 1: correlation of consecutive errors, 0 for white noise. The σ of all tables are the "
-      "widened ones.</p>\n";
+      table("audit-table", "compact",
+            {">#", "Run", ">left / right", ">top / bottom", ">frame to frame", ">lag 1", ">σ widened by",
+             ">correlated error added, px"},
+            rows) +
+      "<p class=\"note\">Ratios of the observed scatter to what the tracking’s own "
+      "standard deviations predict; 1: as predicted. The first two are split-half tests: positions from "
+      "complementary halves of the part’s pixels. Frame to frame: scatter of consecutive positions where the "
+      "motion is slow. Lag 1: correlation of consecutive errors, 0 for white noise. The σ of all tables are "
+      "the widened ones.</p>\n";
   return section;
 }
 
@@ -220,8 +218,14 @@ PageSection detail_section(const ReportData& data, const std::vector<std::vector
   }
   if (section.html.empty()) return section;
   std::string text =
-      "<p class=\"note screen-only\">Each run over time, and the platform and its gate as measured; open "
-      "one.</p>\n";
+      "<p class=\"note screen-only\">Each run over time: position relative to the first frame; residual: "
+      "measured minus modelled at the fitted parameters, about its mean; σ: standard deviation of a position "
+      "per axis; NCC: score of the template, 1 for a perfect match; shaded: part not found. Of long runs the "
+      "lowest and the highest point of every stretch are drawn. The platform: its orbit with the motion "
+      "fitted to all frames; the phase residual of a constant frequency, in which a bend is a drift of the "
+      "drive; the gate LED’s brightness over the platform’s phase, whose slopes are exposures during which "
+      "it "
+      "switched.</p>\n";
   if (!data.phase_reference.empty()) text += "<p>" + sentence_html(data.phase_reference) + "</p>\n";
   section.html = text + section.html;
   return section;
@@ -305,16 +309,21 @@ bool has_picture(const ReportRun& run) {
 
 }  // namespace
 
-std::string pictures_of_runs(const ReportData& data) {
+PageSection picture_section(const ReportData& data) {
+  PageSection section{"pictures", "The paths over the first frames", "", true};
   std::string pictures;
   for (std::size_t i = 0; i < data.runs.size(); ++i)
     if (has_picture(data.runs[i])) pictures += picture(data.runs[i], i, fmt::format("frame-{}", i + 1));
-  if (pictures.empty())
-    return "<p class=\"left-out\">No run has a recording at hand: pictures of the paths left out.</p>\n";
-  return "<div class=\"frames\">\n" + pictures +
-         "</div>\n<p class=\"caption\">As in the paper’s figure 11, as the camera sees it (the platform’s "
-         "own motion included): the path of the part’s centre, from the circle to the square. Gaps are "
-         "frames in which the part was not found. Frames are stored no larger than 480 pixels.</p>\n";
+  section.html =
+      pictures.empty()
+          ? "<p class=\"left-out\">No run has a recording at hand: pictures of the paths left out.</p>\n"
+          : "<div class=\"frames\">\n" + pictures +
+                "</div>\n<p class=\"caption\">As in the paper’s figure 11, as the camera sees it (the "
+                "platform’s "
+                "own motion included): the path of the part’s centre, from the circle to the square. Gaps "
+                "are "
+                "frames in which the part was not found. Frames are stored no larger than 480 pixels.</p>\n";
+  return section;
 }
 
 std::string first_picture(const ReportData& data) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/page/text.h"
-#include "apps/report/findings/verdict.h"
+#include "apps/report/tables/verdict.h"
 #include "apps/text/csv_table.h"
 #include "apps/text/number_text.h"
 
@@ -77,6 +77,7 @@ const std::vector<Column>& columns() {
       {"frames_ok", [](const ReportRun& run) { return std::to_string(run.frames_ok()); }},
       counts("frames_lost", &Track::lost),
       counts("frames_edge", &Track::edge),
+      counts("frames_repeated", &Track::repeats),
       {"frame_rate_hz",
        [](const ReportRun& run) { return exact(run.track.frame_rate_hz.value_or(no_value)); }},
       numbers("sigma_px", &ReportRun::sigma_px),
@@ -152,7 +153,8 @@ std::string budget(const fit::FitResult& fit) {
     text += "\n";
   }
   if (text.empty()) return "";
-  std::string head = fmt::format("uncertainty budget, sd given to each parameter\n  {:<34}", "source");
+  std::string head =
+      fmt::format("uncertainty budget, contributions to the standard uncertainties\n  {:<34}", "source");
   for (const fit::ParameterEstimate& p : fit.parameters)
     head += fmt::format(" {:>14}", fit::to_string(p.parameter));
   return head + "\n" + text + "\n";
@@ -164,8 +166,8 @@ std::string report_text(const ReportData& data) {
   std::string text = data.title + "\n" + subtitle_of(data) + "\n\n" + plain_text(verdict_of(data).heading) +
                      ". " + plain_text(verdict_of(data).paragraph) + "\n\n";
   if (data.fitted())
-    text += "parameters: value(sd of the last digits)\n" + values(data.fit) + goodness_text(data.fit) + "\n" +
-            budget(data.fit);
+    text += "parameters: estimate(standard uncertainty in the last digits)\n" + values(data.fit) +
+            goodness_text(data.fit) + "\n" + budget(data.fit);
   if (!data.warnings.empty()) {
     text += "warnings\n";
     for (const std::string& warning : data.warnings) text += "  - " + warning + "\n";
@@ -183,8 +185,9 @@ constexpr double fit_rejects =
 
 /// "in 6.9 of 100 campaigns".
 std::string how_often(double probability) {
-  return probability < 1e-3 ? "in fewer than one of 1000 campaigns"
-                            : fmt::format("in {} of 100 campaigns", number(100 * probability, 2));
+  if (probability < 1e-3) return "in fewer than one of 1000 campaigns";
+  if (probability > 0.1) return fmt::format("in {:.0f} of 100 campaigns", 100 * probability);
+  return fmt::format("in {} of 100 campaigns", number(100 * probability, 2));
 }
 
 /// For a table. A probability that underflows is small, not zero.
@@ -209,12 +212,11 @@ std::string goodness(const fit::FitResult& fit) {
   html += "</p>\n";
   if (std::isfinite(fit.p_value) && fit.dof > 0)
     html += fmt::format(
-        "<p><b>p {}</b>: {}chance alone would make χ² so large {}. Below p = {} the data are taken to "
-        "contradict the "
-        "model{}.</p>\n",
+        "<p><b>p {}</b>: {}chance alone would make χ² so large {}. The model would be rejected below p = {}; "
+        "it is{}.</p>\n",
         fit.p_value > 0 ? "= " + number(fit.p_value, 2) : "&lt; 1e-300",
         fit.scatter > 0 ? "without the scatter estimated from the residuals, " : "", how_often(fit.p_value),
-        number(fit_rejects, 1), fit.p_value < fit_rejects ? ": they do" : ": they do not");
+        number(fit_rejects, 1), fit.p_value < fit_rejects ? "" : " not");
   return html;
 }
 
@@ -227,12 +229,9 @@ std::string outlier_table(const ReportData& data) {
   if (outliers.empty()) return "";
   const bool mislabelled = std::ranges::any_of(
       outliers, [](const fit::Outlier& outlier) { return outlier.looks_like_phi.has_value(); });
-  std::string html =
-      "<h3>Runs that contradict the others</h3>\n<p>Each is compared with the fit to all other runs; check "
-      "its φ, Δτ and label, or leave it out.</p>\n<div class=\"wide\"><table id=\"outliers\" class=\"compact "
-      "outliers\"><thead><tr><th>Run</th><th class=\"n\">deviation</th><th class=\"n\">probability</th>";
-  if (mislabelled) html += "<th class=\"n\">φ as given</th><th class=\"n\">φ that would fit</th>";
-  html += "</tr></thead><tbody>";
+  std::vector<std::string> headings = {"Run", ">deviation", ">probability"};
+  if (mislabelled) headings.insert(headings.end(), {">φ as given", ">φ that would fit"});
+  std::string html;
   for (const fit::Outlier& outlier : outliers) {
     html += "<tr>" + cell("<b>" + escape_html(outlier.run) + "</b>") +
             number_cell(number(outlier.deviation, 2) + " σ") + number_cell(chance(outlier.chance));
@@ -244,7 +243,10 @@ std::string outlier_table(const ReportData& data) {
     }
     html += "</tr>";
   }
-  return html + "</tbody></table></div>\n";
+  return "<h3>Runs that contradict the others</h3>\n<p>Each is compared with the fit to all other runs; "
+         "check its φ, "
+         "Δτ and label, or leave it out.</p>\n" +
+         table("outliers", "compact outliers", headings, html);
 }
 
 std::string outlying_points(const ReportData& data) {
@@ -273,13 +275,11 @@ std::string prediction_table(const ReportData& data) {
     rows += number_cell(chance(run.fitted.prediction->p_value)) + "</tr>";
   }
   if (rows.empty()) return "";
-  return "<h3>Runs kept out of the fit</h3>\n<p>What the fit to the others predicts of them, against what "
-         "was "
-         "measured; in parentheses the standard deviation of both together.</p>\n<div class=\"wide\"><table "
-         "id=\"predictions\" class=\"compact\"><thead><tr><th>Run</th><th class=\"n\">α, rad</th><th "
-         "class=\"n\">predicted</th><th class=\"n\">v, mm/s</th><th class=\"n\">predicted</th><th "
-         "class=\"n\">probability</th></tr></thead><tbody>" +
-         rows + "</tbody></table></div>\n";
+  return "<h3>Runs kept out of the fit</h3>\n<p>What the fit to the others predicts, against what was "
+         "measured; in "
+         "parentheses the standard uncertainty of both together.</p>\n" +
+         table("predictions", "compact",
+               {"Run", ">α, rad", ">predicted", ">v, mm/s", ">predicted", ">probability"}, rows);
 }
 
 /// "0.0995(10)" of a parameter under an explanation.
@@ -293,17 +293,11 @@ std::string cell_of(const std::map<fit::FitParameter, fit::EstimateUnder>& under
 std::string explanation_table(const fit::FitResult& fit) {
   constexpr std::size_t kMostShown = 8;
   if (fit.explanations.empty()) return "";
-  std::string html =
-      "<h3>What would explain the residuals</h3>\n<p>Each row sets free what the fit takes as exact, or "
-      "knows "
-      "to an uncertainty only: by how much χ² falls, the probability that is left, how large it would have "
-      "to "
-      "be, and the parameters under it. Rows that were not fitted again are to first order.</p>\n<div "
-      "class=\"wide\"><table id=\"explanations\" class=\"compact models\"><thead><tr><th>Set free</th><th "
-      "class=\"n\">χ² falls by</th><th class=\"n\">p left</th><th class=\"n\">size</th>";
+  std::vector<std::string> headings = {"Set free", ">χ² falls by", ">p left", ">size"};
   for (const fit::ParameterEstimate& p : fit.parameters)
-    html += "<th class=\"n\">" + parameter_text(p.parameter).symbol + "</th>";
-  html += "<th></th></tr></thead><tbody>\n";
+    headings.push_back(">" + parameter_text(p.parameter).symbol);
+  headings.emplace_back();
+  std::string html;
   const auto parameters = [&](const std::map<fit::FitParameter, fit::EstimateUnder>& under) {
     std::string cells;
     for (const fit::ParameterEstimate& p : fit.parameters) cells += cell_of(under, p.parameter);
@@ -322,7 +316,12 @@ std::string explanation_table(const fit::FitResult& fit) {
                               : "") +
             "</tr>\n";
   }
-  return html + "</tbody></table></div>\n";
+  return "<h3>What would explain the residuals</h3>\n<p>Each row sets free what the fit takes as exact, or "
+         "knows to an "
+         "uncertainty only: by how much χ² falls, the probability that is left, how large it would have to "
+         "be, and "
+         "the parameters under it. Rows that were not refitted are to first order.</p>\n" +
+         table("explanations", "compact models", headings, html);
 }
 
 std::string not_needed(const fit::FitResult& fit) {
@@ -371,34 +370,31 @@ std::string budget_table(const fit::FitResult& fit) {
   if (fit.budget.empty()) return "";
   std::string html;
   if (!fit.improve_first.empty()) html += "<p>" + sentence_html(fit.improve_first) + "</p>\n";
-  html +=
-      "<div class=\"wide\"><table id=\"budget-table\" class=\"budget\"><thead><tr><th>Source</th><th "
-      "class=\"n\">Its standard deviation</th><th>From</th>";
+  std::vector<std::string> headings = {"Source", ">Standard uncertainty u(x)", "Evaluated from"};
   for (const fit::ParameterEstimate& p : fit.parameters) {
     const ParameterText shown = parameter_text(p.parameter);
-    html +=
-        fmt::format("<th class=\"n\">{}{}</th>", shown.symbol, shown.unit.empty() ? "" : ", " + shown.unit);
+    headings.push_back(">u(" + shown.symbol + ")" + (shown.unit.empty() ? "" : ", " + shown.unit));
   }
-  html += "</tr></thead><tbody>\n";
+  std::string rows;
   for (const fit::BudgetEntry& entry : fit.budget)
-    if (entry.counted) html += row(fit, entry);
-  html += "<tr><th>All together</th><td></td><td></td>";
-  for (const fit::ParameterEstimate& p : fit.parameters) html += number_cell(rounded(p.sd, p.sd));
-  html += "</tr>\n";
+    if (entry.counted) rows += row(fit, entry);
+  rows += "<tr><th>Combined</th><td></td><td></td>";
+  for (const fit::ParameterEstimate& p : fit.parameters) rows += number_cell(rounded(p.sd, p.sd));
+  rows += "</tr>\n";
   bool exact = false;
   for (const fit::BudgetEntry& entry : fit.budget) {
     if (entry.counted) continue;
-    html += row(fit, entry);
+    rows += row(fit, entry);
     exact = true;
   }
-  html +=
-      "</tbody></table></div>\n<p class=\"note\">What each source gives to the standard deviation of a "
-      "parameter (JCGM 100); the squares add up. A bar is as long as its share of the whole.";
+  html += table("budget-table", "budget", headings, rows) +
+          "<p class=\"note\">Contribution of each source to the combined standard "
+          "uncertainty "
+          "of each parameter (JCGM 100): the squares add up. The length of a bar is its share.";
   if (exact)
     html +=
-        " What was taken as exact is not counted: the rows in grey say what an error as large as stated "
-        "would "
-        "add; give its standard deviation (the key with <code>_sd</code>) to count it.";
+        " What was taken as exact is not included: the rows in grey say what an error as large as stated "
+        "would add; give its standard uncertainty (the key with <code>_sd</code>) to include it.";
   return html + "</p>\n";
 }
 

@@ -95,7 +95,7 @@ TEST_F(TurnedCameraCampaign, DISABLED_ALampTakesItOutACommandedPhiTakesItUp) {
 
   const Json commanded = fit_of("turned", "");
   EXPECT_NEAR(lag(commanded), 0.2 - turn, 4 * sd(commanded));
-  EXPECT_THAT(commanded["phase_reference"].get<std::string>(), HasSubstr("stands in the lag"));
+  EXPECT_THAT(commanded["phase_reference"].get<std::string>(), HasSubstr("biases the phase lag"));
   const Json told = fit_of("turned", "xi_axis_rad = " + std::to_string(turn) + "\n");
   EXPECT_NEAR(lag(told), 0.2, 4 * sd(told));
 

@@ -145,7 +145,7 @@ TEST_F(MeasureSlide, SpinNotSeenIsSaid) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("deceleration    166"));
   EXPECT_THAT(outcome.out, HasSubstr("g = 9.8 m/s^2"));
-  EXPECT_THAT(outcome.out, HasSubstr("not seen; a rim speed of half the slide's would make mu1"));
+  EXPECT_THAT(outcome.out, HasSubstr("not seen; an edge speed of half the sliding speed would make mu1"));
 }
 
 // Which motion a track shows decides what `measure` says of it.
@@ -289,7 +289,7 @@ TEST(CodedMotion, UnknownCoderIsCountedInFull) {
             play.delay > 1.96 * plain.platform->phase_at_middle.sd ||
                 attenuation * plain.platform->amplitude.value > 1.96 * plain.platform->amplitude.sd);
   EXPECT_TRUE(coded.coded->exceeds) << "0.02 rad against a phase known to 0.001";
-  EXPECT_THAT(coded.warnings, testing::Contains(testing::HasSubstr("coder (h264)")));
+  EXPECT_THAT(coded.warnings, testing::Contains(testing::HasSubstr("codec (h264)")));
 }
 
 }  // namespace

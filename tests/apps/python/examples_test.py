@@ -1,5 +1,7 @@
 """The examples run as their users would run them."""
 
+import importlib.util
+import json
 import os
 import re
 import shutil
@@ -46,6 +48,18 @@ class Examples(ProgramTest):
         )
         (self.folder / "pandas.py").unlink()
         self.assertEqual(without, with_pandas)
+
+    @unittest.skipUnless(importlib.util.find_spec("pandas") and importlib.util.find_spec("matplotlib"), "no pandas or matplotlib")
+    def test_the_notebook_runs_and_shows_a_fit(self):
+        cells = json.loads((EXAMPLES / "campaign.ipynb").read_text())["cells"]
+        code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        shown = "print(fit._repr_html_(), fit, run, swept, sep='\\n')"
+        script = "\n".join(["import matplotlib", "matplotlib.use('Agg')", f"import os; os.chdir({str(SOURCE)!r})", *code, shown])
+        said = self.said(sys.executable, "-c", script)
+        self.assertIn("<td>mu1</td>", said)
+        self.assertRegex(said, r"\n  mu1 +0\.\d+\(\d+\) ")
+        self.assertIn("\nSimulation of 10 cycles: alpha ", said)
+        self.assertIn("\nSweep over phi_rad (63 values) and dtau_rad (3 values)\n", said)
 
     def results(self):
         track = tribotrack.track(

@@ -6,7 +6,7 @@ import tomllib
 import unittest
 
 import numpy as np
-from program import ProgramTest
+from program import SOURCE, ProgramTest
 
 import tribotrack
 
@@ -68,6 +68,38 @@ class Fit(ProgramTest):
         self.assertEqual(tribotrack.fit(frame, **CONDITIONS)["parameters"], expected)
         by_other_names = tribotrack.fit(frame, amplitude_mm=0.28, omega_rad_s=62.8, epsilon_rad="90deg")
         self.assertEqual(by_other_names["parameters"], expected)
+
+    def test_a_table_is_read_as_the_command_line_reads_it(self):
+        import pandas
+
+        expected = self.printed("fit", SOURCE / "data/example/alpha_v.toml", "-o", "t.json")["parameters"]
+        conditions = {**CONDITIONS, "cycles": 20, "start": "rest"}
+        file = SOURCE / "data/example/alpha_v.csv"
+        for given in (file, str(file), pandas.read_csv(file, sep=";", decimal=",")):
+            found = tribotrack.fit(given, **conditions, alpha_sd_rad="1.5deg", v_sd_mm_s=0.08).parameters
+            self.assertAlmostEqual(found.mu1.estimate, 0.1, delta=0.005)
+            found = tribotrack.fit(given, **conditions).parameters
+            for name, parameter in expected.items():
+                self.assertLess(abs(found[name].estimate - parameter["estimate"]), 0.1 * parameter["sd"], name)
+
+    def test_results_print_briefly_and_make_tables_and_figures(self):
+        import matplotlib
+
+        matplotlib.use("Agg")
+        fit = tribotrack.fit(self.table, **CONDITIONS)
+        self.assertLess(len(repr(fit)), 1000)
+        self.assertRegex(repr(fit), r"^Fit to 7 runs: .*\n(.*\n)*  mu1 +0\.1\d*\(\d\d\) +0\.\d+ to 0\.\d+\n")
+        self.assertIn("<td>mu1</td>", fit._repr_html_())
+        self.assertEqual(list(fit.to_dataframe().estimate), [p["estimate"] for p in fit["parameters"].values()])
+        self.assertEqual(len(fit.plot().axes), 2)
+        run = tribotrack.simulate(cycles=2, dtau_rad=1)
+        self.assertEqual(run.x_mm is run["x_mm"], True)
+        self.assertEqual(len(run.to_dataframe()), len(run.time_s))
+        swept = tribotrack.sweep(over={"mu1": [0.1, 0.2, 0.3], "dtau_rad": [1, 2]})
+        last = swept.to_dataframe().iloc[-1]
+        self.assertEqual((last.mu1, last.dtau_rad, last.v_mm_s), (0.3, 2, swept.v_mm_s[2, 1]))
+        with self.assertRaisesRegex(AttributeError, "`alpha_deg` in this Simulation: .*alpha_rad"):
+            run.alpha_deg
 
     def test_a_cell_without_a_value_is_left_out(self):
         import pandas

@@ -26,14 +26,14 @@ class Types(ProgramTest):
             "import numpy as np\n"
             "import tribotrack\n"
             "run = tribotrack.simulate(mu1=0.1, phi_rad='pi/2')\n"
-            "x: float = run['end_x_mm'] + float(run['x_mm'][0])\n"
+            "x: float = run.end_x_mm + float(run.x_mm[0])\n"
             "track = tribotrack.track(np.zeros((3, 4, 5), np.uint8), fps=1, marker=(1, 2, 3))\n"
-            "last: int = int(track['frame'][-1])\n"
+            "last: int = int(track.frame[-1])\n"
             "fitted = tribotrack.fit({'phi_rad': [1]}, amplitude_mm=1)\n"
         )
         self.check("mypy", "--strict", "--cache-dir=cache", "-p", "tribotrack")
         self.check("mypy", "--strict", "--cache-dir=cache", "user.py")
-        (self.folder / "wrong.py").write_text("import tribotrack\ntribotrack.simulate(mu3=0.1)['end_z_mm']\n")
+        (self.folder / "wrong.py").write_text("import tribotrack\ntribotrack.simulate(mu3=0.1).end_z_mm\n")
         with self.assertRaisesRegex(AssertionError, 'mu3"(.|\n)*end_z_mm'):
             self.check("mypy", "--strict", "--cache-dir=cache", "wrong.py")
 

@@ -1,6 +1,9 @@
 // What the command line says of itself.
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <regex>
+
 #include "apps/chromium.h"
 #include "apps/program.h"
 
@@ -15,6 +18,24 @@ class Usage : public ProgramTest {};
 TEST_F(Usage, HelpStatesDefaults) {
   EXPECT_THAT(run("help simulate").out, AllOf(HasSubstr("(default 0.28)"), HasSubstr("(default pi/2)")));
   EXPECT_THAT(run("help campaign").out, HasSubstr("marker_px"));
+}
+
+// Every page of the manual is listed by its title, printed by its name, and leads to pages that there are.
+TEST_F(Usage, HelpPrintsTheManual) {
+  const std::string listed = run("help").out;
+  EXPECT_EQ(listed, run("--help").out);
+  const std::filesystem::path manual = TRIBOTRACK_SOURCE_DIR "/apps/manual";
+  for (const auto& file : std::filesystem::directory_iterator(manual)) {
+    if (file.path().extension() != ".md") continue;
+    const std::string page = content_of(file.path()), topic = file.path().stem();
+    EXPECT_THAT(listed, HasSubstr("  " + topic + " ")) << topic;
+    EXPECT_THAT(listed, HasSubstr(" " + page.substr(2, page.find('\n') - 2) + "\n")) << topic;
+    EXPECT_EQ(run("help " + topic).out, page);
+    const std::regex named("tribotrack help ([a-z][-a-z]*)");
+    for (std::sregex_iterator at(page.begin(), page.end(), named), end; at != end; ++at)
+      EXPECT_THAT(listed, HasSubstr("  " + (*at)[1].str() + " ")) << topic;
+  }
+  expect_refused(run("help no-such-page"), 2, {"no-such-page"});
 }
 
 TEST_F(Usage, VersionNamesLibrariesThreadsAndTemporaryFiles) {

@@ -19,6 +19,7 @@ TEST(CheckSection, ChiSquareIsReadAgainstWhatChanceAllows) {
   ReportData data = sample::campaign();
   data.fit.p_value = 0.0689;
   const std::string html = check_of(data);
+  EXPECT_THAT(html, HasSubstr(" of 100 campaigns. The model would be rejected below p = 0.001; it is not."));
   EXPECT_THAT(html, HasSubstr("χ² = 26.4 with 27 degrees of freedom: 0.978 per degree of freedom"));
   EXPECT_THAT(html,
               HasSubstr("<b>p = 0.069</b>: chance alone would make χ² so large in 6.9 of 100 campaigns."));

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "apps/chromium.h"
-#include "apps/report/figures/figures.h"
+#include "apps/report/page/figures.h"
 #include "apps/report/tables/tables.h"
 #include "apps/report_sample.h"
 #include "apps/text/number_text.h"
@@ -78,7 +78,7 @@ TEST(ReportPage, HoldsEverySectionOfTheSample) {
   EXPECT_TRUE(holds(page, "0.10012(31)"));
   EXPECT_EQ(occurrences(page, "data:image/png;base64,"), 14u) << "13 runs, and one on the first screen";
   EXPECT_TRUE(holds(page, "phi90_dtau90.cine ends after 212 of 500 images"));
-  EXPECT_TRUE(holds(page, "<td class=\"n\">500 / 3 / 0</td>"));
+  EXPECT_TRUE(holds(page, "<td class=\"n\">500 / 3 / 0 / 0</td>"));
   EXPECT_TRUE(holds(page, "xxh3-128:0123456789abcdef0123456789abcdef"));
 }
 
@@ -190,6 +190,13 @@ constexpr const char* kSampleScript = R"js(
   tell('csv', TribotrackFigures.csv_of('v-phi'));
   URL.createObjectURL = blob => { blob.text().then(text => tell('table', text)); return '#'; };
   document.querySelector('[aria-label="CSV of table run-table"]').click();
+  let all = null;
+  URL.createObjectURL = blob => { all = blob; return '#'; };
+  document.getElementById('download-all').click();
+  for (let k = 0; k < 40 && !all; ++k) await wait(250);
+  const zip = new DataView(await all.arrayBuffer()), end = zip.byteLength - 22;
+  const more = document.querySelectorAll('table[id]').length + 2 * TribotrackFigures.ids().length;
+  tell('zip', [end, zip.getUint32(end + 16, true)].map(at => zip.getUint32(at, true).toString(16)) + ' ' + (zip.getUint16(end + 10, true) - more));
   const box = document.getElementById('plot-v-phi'), range = () => box._fullLayout.xaxis.range;
   const wide = () => range()[1] - range()[0], before = wide();
   box.dispatchEvent(new KeyboardEvent('keydown', {key: '+'}));
@@ -286,6 +293,11 @@ TEST_F(ReportInChromium, ATableLeavesAsRowsOfOneLength) {
     return count;
   };
   EXPECT_EQ(commas(0, heading), commas(heading, second)) << csv.substr(0, second);
+}
+
+// Its end, where that says the directory is, and an entry for every table, and for every figure two.
+TEST_F(ReportInChromium, AllOfItLeavesAsOneArchive) {
+  EXPECT_EQ(told("sample.zip"), "6054b50,2014b50 0");
 }
 
 TEST_F(ReportInChromium, TheKeyboardZoomsTheLegendHidesAndPaperHasItsSize) {

@@ -1,4 +1,4 @@
-#include "apps/report/page/results.h"
+#include "apps/report/page/page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,12 +6,12 @@
 #include <limits>
 
 #include "apps/chromium.h"
-#include "apps/report/page/page.h"
 #include "apps/report_sample.h"
 
 namespace tribotrack::apps {
 namespace {
 
+using test::occurrences;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -28,6 +28,26 @@ TEST(FirstScreen, ValuesAsDescribedStandBesideThoseQuoted) {
   const std::string html = first_screen(data, {});
   EXPECT_THAT(html, HasSubstr("<th>as described, rejected</th>"));
   EXPECT_THAT(html, HasSubstr("<td>0.1200(10)<br><span class=\"ends\">0.1180 to 0.1220</span></td></tr>"));
+}
+
+TEST(FirstScreen, SaysWhatTheValuesAssumeAndWhatToDoNext) {
+  ReportData data = sample::campaign();
+  data.exact = {"gravity_m_s2"};
+  data.fit.improve_first = "Improve first: scale.";
+  const auto source = [&](const char* name, double share) {
+    fit::BudgetEntry& entry = data.fit.budget.emplace_back();
+    entry.source = name;
+    entry.from = "diameter_mm, default sd";
+    entry.contribution = Eigen::VectorXd::Constant(3, share * data.fit.parameters[0].sd);
+  };
+  source("felt", 0.2);
+  source("not felt", 0.05);
+  const std::string html = first_screen(data, {});
+  EXPECT_THAT(html, HasSubstr("<li>Taken as exact: g.</li>"));
+  EXPECT_THAT(html, HasSubstr("because none was given: felt.</li>"));
+  EXPECT_THAT(html, HasSubstr("<h2>Next</h2>\n<ul><li>Improve first: scale.</li><li>"));
+  data.fit.verdict = fit::Use::do_not_use;
+  EXPECT_THAT(first_screen(data, {}), HasSubstr("<ul><li>Find out what is wrong: "));
 }
 
 TEST(ParameterSection, EachParameterHasItsRow) {
@@ -90,6 +110,10 @@ TEST(ParameterSection, WhatTheDataLeaveOpenComesWithItsRemedy) {
   EXPECT_THAT(html, HasSubstr("<p>14 recordings share one scale.</p>"));
   for (const char* absent : {"bootstrap", "taken as known is wrong", "nan"})
     EXPECT_THAT(html, Not(HasSubstr(absent)));
+  data.fit.minima.resize(6, {{}, 1.2, "Another minimum: mu1 = 0.2."});
+  EXPECT_EQ(occurrences(parameters_of(data), "<li>Another minimum"), 3u);
+  data.fit.dof = 0;
+  EXPECT_EQ(occurrences(parameters_of(data), "Another minimum"), 0u);
 }
 
 TEST(ParameterSection, IsLeftOutWithoutAFit) {
@@ -110,7 +134,6 @@ TEST(ProvenanceSection, NamesVersionInputsAndConfiguration) {
 namespace {
 
 using sample::pi;
-using test::occurrences;
 using testing::HasSubstr;
 
 fit::NextExperiment run(double amplitude, std::optional<fit::FitParameter> aim = {}) {

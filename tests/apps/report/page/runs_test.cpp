@@ -1,4 +1,4 @@
-#include "apps/report/page/runs.h"
+#include "apps/report/page/page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,9 +20,10 @@ ReportData one_run() {
   run.measured = {{"alpha_rad", {1.2345, 0.012}}, {"v_mm_s", {2.5, 0.05}}};
   run.fitted.residuals = {{"alpha_rad", 1.2345, 1.23, 0.012, 0}, {"v_mm_s", 2.5, 2.51, 0.05, 0}};
   run.cycles = 20;
-  run.track.frames = 10;
+  run.track.frames = 11;
   run.track.lost = 2;
   run.track.edge = 1;
+  run.track.repeats = 1;
   run.track.frame_rate_hz = 1000;
   run.track.time_base = "camera header";
   run.sigma_px = 0.0123;
@@ -38,7 +39,7 @@ TEST(RunSection, ARowSaysAllThatWasMeasured) {
           "class=\"n\" data-v=\"1.0471975511965976\">π/3</td><td class=\"n\" data-v=\"1.2345\" "
           "data-sd=\"0.012\">1.234(12)</td><td class=\"n\">1.230</td><td class=\"n\" data-v=\"2.5\" "
           "data-sd=\"0.05\">2.500(50)</td>"
-          "<td class=\"n\">2.510</td><td class=\"n\">20</td><td class=\"n\">7 / 2 / 1</td>"
+          "<td class=\"n\">2.510</td><td class=\"n\">20</td><td class=\"n\">7 / 2 / 1 / 1</td>"
           "<td class=\"n\">0.012</td><td>1000 Hz, camera header</td></tr>"));
 }
 
@@ -46,6 +47,17 @@ TEST(RunSection, AFailedRunSaysWhy) {
   ReportData data = one_run();
   data.runs[0].failure = "a.cine is empty.";
   EXPECT_THAT(run_section(data).html, HasSubstr("failed: a.cine is empty.</td></tr>"));
+}
+
+TEST(RunSection, RemarksOfOneCauseAreOneLine) {
+  ReportData data = one_run();
+  data.runs.push_back(data.runs[0]);
+  data.runs[1].name = "b";
+  data.runs[0].notes = {"a gap after frame 12", "no marker"};
+  data.runs[1].notes = {"a gap after frame 370"};
+  EXPECT_THAT(run_section(data).html,
+              HasSubstr("<ul><li>all 2 runs: a gap after frame 12 (in a; in the others "
+                        "likewise)</li><li>a: no marker</li></ul>"));
 }
 
 TEST(PictureSection, ThePathIsDrawnOverThePictureWithGaps) {
@@ -56,7 +68,7 @@ TEST(PictureSection, ThePathIsDrawnOverThePictureWithGaps) {
   run.track.height_px = 48;
   run.track.x_px = {no_value, 10, 11, no_value, 13, no_value};
   run.track.y_px = {no_value, 20, 21, no_value, 23, no_value};
-  const std::string html = pictures_of_runs(data);
+  const std::string html = picture_section(data).html;
   EXPECT_THAT(html, HasSubstr("viewBox=\"0 0 64 48\""));
   // Pixel centres are at whole numbers: the picture's corner is (-0.5, -0.5).
   EXPECT_THAT(html, HasSubstr("class=\"path\" d=\"M10.5 20.5L11.5 21.5M13.5 23.5\""));
@@ -69,7 +81,7 @@ TEST(PictureSection, JpegIsToldFromPng) {
   ReportData data = one_run();
   data.runs[0].first_frame = {0xff, 0xd8, 0xff};
   data.runs[0].track.width_px = data.runs[0].track.height_px = 10;
-  EXPECT_THAT(pictures_of_runs(data), HasSubstr("data:image/jpeg;base64,/9j/"));
+  EXPECT_THAT(picture_section(data).html, HasSubstr("data:image/jpeg;base64,/9j/"));
 }
 
 TEST(PlanSection, StagesLeftOutComeWithTheirReasonAndError) {

@@ -44,6 +44,7 @@ TEST(RunsCsv, HasARowForEachRunWithAllDigits) {
   EXPECT_EQ(cell(csv, 1, "alpha_rad"), "0.3333333333333333");
   EXPECT_EQ(cell(csv, 1, "dx_residual_sd"), exact(data.runs[0].fitted.residuals[0].standardised));
   EXPECT_EQ(cell(csv, 8, "frames_lost"), "3");
+  EXPECT_EQ(cell(csv, 8, "frames_repeated"), "0");
   EXPECT_EQ(cell(csv, 14, "frame_rate_hz"), "") << "measured elsewhere";
 }
 

@@ -1,4 +1,4 @@
-#include "apps/report/findings/verdict.h"
+#include "apps/report/tables/verdict.h"
 
 #include <fmt/format.h>
 
@@ -49,6 +49,13 @@ std::string runs_used(const ReportData& data) {
   std::string text = fmt::format("{} run{}", used, used == 1 ? "" : "s");
   if (failed > 0)
     text += fmt::format(" ({} more failed and {} left out)", failed, failed == 1 ? "is" : "are");
+  return text;
+}
+
+std::string list_of(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < words.size() ? ", " : " and ") + words[i];
   return text;
 }
 
@@ -110,14 +117,32 @@ Verdict verdict_of(const ReportData& data) {
   return verdict;
 }
 
-namespace {
-
-std::string list_of(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    text += (i == 0 ? "" : i + 1 < words.size() ? ", " : " and ") + words[i];
-  return text;
+std::vector<std::string> assumptions(const ReportData& data) {
+  const fit::FitResult& fit = data.fit;
+  std::vector<std::string> lines;
+  const auto keys = [](const std::vector<std::string>& names) {
+    std::vector<std::string> symbols;
+    for (const std::string& name : names) symbols.push_back(plain_symbol(name));
+    return list_of(symbols);
+  };
+  lines.push_back(fit.quoted_under.empty()
+                      ? "The paper’s friction law: μ₁, and μ₂ during the pulse."
+                      : "The paper’s friction law, with " + list_of(fit.quoted_under) + " set free.");
+  if (!data.exact.empty()) lines.push_back("Taken as exact: " + keys(data.exact) + ".");
+  // What is said is what a parameter's uncertainty feels: a tenth of it or more.
+  std::vector<std::string> defaults;
+  for (const fit::BudgetEntry& entry : fit.budget) {
+    bool felt = false;
+    for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+      felt = felt || std::abs(entry.contribution(static_cast<Eigen::Index>(i))) > 0.1 * fit.parameters[i].sd;
+    if (entry.counted && felt && entry.from.ends_with("default sd")) defaults.push_back(entry.source);
+  }
+  if (!defaults.empty())
+    lines.push_back("With a default uncertainty, because none was given: " + list_of(defaults) + ".");
+  return lines;
 }
+
+namespace {
 
 bool is_tracked(const ReportRun& run) {
   return run.failure.empty() && run.frames_ok() > 0;

@@ -27,6 +27,9 @@ struct Verdict {
 /// The fit's own verdict and reasons, and failed runs.
 Verdict verdict_of(const ReportData& data);
 
+/// What the values rest on, a line each: friction law, what was taken as exact, defaults that are felt.
+std::vector<std::string> assumptions(const ReportData& data);
+
 /// Where chi-squared per degree of freedom lies with probability 0.99 under the model
 /// (fit::expected_reduced_chi2), as "0.42 to 1.88", rounded to its width.
 std::string expected_chi2_text(int dof, double noise_dof = std::numeric_limits<double>::infinity());

@@ -1,4 +1,4 @@
-#include "apps/report/findings/verdict.h"
+#include "apps/report/tables/verdict.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

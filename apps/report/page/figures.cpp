@@ -1,4 +1,4 @@
-#include "apps/report/figures/figures.h"
+#include "apps/report/page/figures.h"
 
 #include <fmt/format.h>
 
@@ -52,7 +52,7 @@ double shown_x(const ReportRun& run, const Dependence& figure) {
   return figure.over_phi ? phi_in_one_turn(run.phi_rad) : run.dtau_rad;
 }
 
-/// What the runs of a group measured, beside the model in standard deviations of the measurement.
+/// What the runs of a group measured, beside the model in the standard deviations that chi^2 uses.
 struct Measured {
   Values x, y, sd, residual;
   Notes notes;
@@ -64,11 +64,12 @@ Measured measured(const ReportData& data, const ReportGroup& group, const Depend
     const ReportRun& run = data.runs[i];
     const char* observable = figure.of_alpha ? "alpha_rad" : "v_mm_s";
     const fit::Estimate seen = run.value(observable);
-    const double difference = seen.value - run.modelled(observable);
+    const double used_sd = run.residual(observable, &fit::Residual::sd);
     points.x.push_back(shown_x(run, figure));
     points.y.push_back(seen.value);
     points.sd.push_back(seen.sd);
-    points.residual.push_back((figure.of_alpha ? model::wrap_angle(difference) : difference) / seen.sd);
+    const double difference = seen.value - run.modelled(observable);
+    points.residual.push_back((figure.of_alpha ? model::wrap_angle(difference) : difference) / used_sd);
     points.notes.push_back(run_label(data, i));
   }
   return points;
@@ -139,15 +140,6 @@ Json residual_axis(double largest) {
   return plot::with_ticks(axis, ticks, texts);
 }
 
-std::string band_text(bool band, bool any_sd, std::size_t groups) {
-  if (band) return " The band around each line is the model’s 95 % interval by the parameters’ covariance.";
-  if (!any_sd || groups <= kMostInLegend) return "";
-  return fmt::format(
-      " With {} groups colour tells the value they share, and the model’s 95 % bands, which would cover each "
-      "other, are left out.",
-      groups);
-}
-
 Figure figure_of(const ReportData& data, const Dependence& which, const std::vector<ReportGroup>& groups) {
   const bool many = groups.size() > kMostInLegend;
   Figure figure{.id = which.id, .title = which.title, .shared_x = true, .height = 0.86};
@@ -158,7 +150,6 @@ Figure figure_of(const ReportData& data, const Dependence& which, const std::vec
   Panel main, below;
   Values xs, measured_at;
   double largest = 3;  // residual
-  bool any_sd = false;
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const std::string name = many ? "" : (which.over_phi ? "Δτ = " : "φ = ") + angle(shared[g]);
     plot::Look look{.colour = static_cast<int>(g)};
@@ -166,7 +157,6 @@ Figure figure_of(const ReportData& data, const Dependence& which, const std::vec
     const Curve curve = curve_of(groups[g], which);
     bool banded = false;
     for (std::size_t i = 0; i < curve.y.size(); ++i) banded = banded || curve.high[i] > curve.y[i];
-    any_sd = any_sd || banded;
     if (banded && !many) main.traces.push_back(plot::band(name, curve.x, curve.low, curve.high, look));
     main.traces.push_back(plot::line(name, curve.x, curve.y, look));
     const Measured points = measured(data, groups[g], which);
@@ -202,18 +192,14 @@ Figure figure_of(const ReportData& data, const Dependence& which, const std::vec
   if (many)
     figure.colour_bar = plot::colour_bar(which.over_phi ? "pulse width Δτ, rad" : "phase shift φ, rad",
                                          plot::angle_axis("", scale.low, scale.high));
-  std::string caption =
-      which.of_alpha && which.over_phi ? "α is the angle of the displacement, counter-clockwise from the "
-                                         "platform’s x axis; it starts again at 0 "
-                                         "after a full turn. "
-      : which.over_phi
-          ? "On a platform that moves in a true circle the model’s steady velocity does not depend on φ. "
-          : "";
-  caption +=
-      "Points: measured, with one standard deviation; lines: the model at the fitted parameters. Below: "
-      "measured minus "
-      "modelled in standard deviations of the measurement; 19 of 20 are expected in the grey stripe.";
-  figure.caption = caption + band_text(any_sd && !many, any_sd, groups.size());
+  figure.caption =
+      which.of_alpha && which.over_phi
+          ? "α: counter-clockwise from the platform’s x axis; it starts again at 0 after a full turn."
+      : which.over_phi ? "On a true circle the model’s steady velocity does not depend on φ."
+                       : "";
+  if (many)
+    figure.caption +=
+        " Colour tells the value that a group shares; bands, which would cover each other, are left out.";
   std::size_t runs = 0;
   for (const ReportGroup& group : groups) runs += group.runs.size();
   figure.alternative =

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "apps/page/text.h"
-#include "apps/report/figures/figures.h"
+#include "apps/report/page/figures.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -94,19 +94,6 @@ std::vector<Figure> over_time(const ReportData& data, std::size_t index) {
   figure.panels.back().x = plot::axis("time, s");
   figure.shared_x = true;
   figure.height = 0.1 + 0.14 * static_cast<double>(figure.panels.size());
-  figure.caption =
-      "Position relative to the first frame; σ: standard deviation of a position per axis; NCC: score of the "
-      "template, 1 "
-      "where it fits exactly.";
-  if (!shown.model_x_mm.empty())
-    figure.caption += " Residual: measured less modelled position at the fitted parameters, about its mean.";
-  if (!lost.empty()) figure.caption += " Shaded: the part was not found.";
-  if (run.time_s.size() > kMostOverTime)
-    figure.caption += fmt::format(
-        " Of {} frames at most {} points of each curve are drawn, the lowest and the highest of every "
-        "stretch; the table of "
-        "the track has all.",
-        run.time_s.size(), kMostOverTime);
   figure.alternative =
       fmt::format("Position, residual, sd and score over time of run {}.", run_label(data, index));
   return {figure};
@@ -150,15 +137,6 @@ std::vector<Figure> platform(const ReportData& data, std::size_t index) {
                                         fitted(run.modelled_lamp.phase, run.modelled_lamp.share, false)}});
   figure.columns = static_cast<int>(figure.panels.size());
   figure.height = figure.columns == 3 ? 0.34 : 0.42;
-  figure.caption =
-      "The platform’s orbit and the motion fitted to all frames; the phase residual of a constant frequency, "
-      "where a bend "
-      "is a drift of the drive";
-  figure.caption +=
-      run.lamp.share.empty()
-          ? "."
-          : "; the lamp’s brightness over the platform’s phase, whose slopes are exposures during which it "
-            "switched.";
   figure.alternative =
       fmt::format("Orbit and phase residual of the platform in run {}.", run_label(data, index));
   return {figure};

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "apps/page/text.h"
-#include "apps/report/figures/figures.h"
+#include "apps/report/page/figures.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -160,7 +160,7 @@ std::vector<Figure> budget(const ReportData& data) {
   figure.columns = static_cast<int>(figure.panels.size());
   figure.height = 0.12 + 0.035 * static_cast<double>(counted.size());
   figure.caption =
-      "What each source gives to the variance of each parameter (JCGM 100); the shares add up to 100 %.";
+      "Contribution of each source to the variance of each parameter (JCGM 100); the shares add up to 100 %.";
   figure.alternative =
       "Shares of the sources of uncertainty in the variance of each parameter; the table has the numbers.";
   return {figure};
