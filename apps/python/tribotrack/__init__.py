@@ -143,6 +143,7 @@ def track(
     fps_reason: Optional[str] = None,
     mm_per_px: Optional[float] = None,
     disc_diameter_mm: Optional[float] = None,
+    chamfer_mm: Optional[float] = None,
     calibration: Optional[Path] = None,
     tag_mm: Optional[float] = None,
     height_mm: Optional[float] = None,
@@ -171,7 +172,8 @@ def track(
             and must not change meanwhile.
         fps: frames per second; an array always needs it. fps_reason: how you know.
         mm_per_px, disc_diameter_mm, calibration, tag_mm (side of the tag that is the marker): the scale, by one of
-            them; without it positions are in pixels only.
+            them; without it positions are in pixels only. A diameter beside another scale checks that.
+        chamfer_mm: width of the disc's chamfer seen from above, 0 for a sharp edge.
         height_mm, working_distance_mm: of the part's top and the lens above the platform, for the parallax.
         disc: (x, y, radius) of the part in the first frame, px; template: (x, y, width, height) in its place.
         marker: (x, y, radius) of a mark on the platform, "auto", "texture", "none" or a tag, "tag:apriltag_36h11:3".
