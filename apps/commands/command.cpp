@@ -60,6 +60,7 @@ void add_options_of_all(CLI::App& command, Context& context) {
 }
 
 void add_commands(CLI::App& app, Context& context) {
+  add_open(app, context);
   add_run(app, context);
   add_watch(app, context);
   add_track(app, context);
@@ -167,8 +168,9 @@ int run_program(int argc, const char* const* argv) {
       "tribotrack"};
   app.require_subcommand(1);
   app.footer(
-      "Start with `tribotrack init DIR`, edit the campaign it writes, then `tribotrack run DIR/campaign.toml "
-      "-o OUT`.\n"
+      "Start with `tribotrack open FOLDER`: a page in the browser, from the recordings in it to the report. "
+      "Without one:\n"
+      "`tribotrack init DIR`, edit the campaign it writes, then `tribotrack run DIR/campaign.toml`.\n"
       "Each command explains itself: tribotrack COMMAND --help; so do the keys of campaigns: tribotrack help "
       "campaign");
   add_options_of_all(app, context);
@@ -180,6 +182,10 @@ int run_program(int argc, const char* const* argv) {
       print_text(*what);
       flush_output();
       return kDone;
+    }
+    if (typed.empty()) {  // nothing was asked: no result, so nothing on stdout
+      print_error(app.help());
+      return kUsage;
     }
     if (const std::string left = what_left(typed); !left.empty()) throw UsageError(left);
     try {

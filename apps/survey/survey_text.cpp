@@ -223,7 +223,7 @@ Json targets(const vision::Survey& seen) {
                 {"name", name},
                 {"colour", colour},
                 {"values", std::move(values)},
-                {"rectangle", false}};
+                {"shape", "circle"}};
   };
   Json list = Json::array();
   list.push_back(
@@ -233,7 +233,7 @@ Json targets(const vision::Survey& seen) {
   list.push_back(target("gate_px", "The actuator's lamp", "#ff6060",
                         seen.lamps.empty() ? Json() : numbers(seen.lamps.front().circle)));
   Json rectangle = target("template_px", "A part that is no disc", "#ffd040", Json());
-  rectangle["rectangle"] = true;
+  rectangle["shape"] = "rectangle";
   list.push_back(rectangle);
   return list;
 }

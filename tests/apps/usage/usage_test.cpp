@@ -17,6 +17,13 @@ TEST_F(Usage, HelpStatesDefaults) {
   EXPECT_THAT(run("help campaign").out, HasSubstr("marker_px"));
 }
 
+TEST_F(Usage, WithoutACommandItSaysWhichThereAre) {
+  const Outcome bare = run("");
+  EXPECT_EQ(bare.exit_code, 2);
+  EXPECT_EQ(bare.out, "");
+  EXPECT_THAT(bare.err, AllOf(HasSubstr("tribotrack open FOLDER"), HasSubstr("\n  track ")));
+}
+
 TEST_F(Usage, VersionNamesLibrariesThreadsAndTemporaryFiles) {
   const std::string version = run("--version").out;
   EXPECT_TRUE(version.starts_with("tribotrack 0.")) << version;
