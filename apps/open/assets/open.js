@@ -78,7 +78,8 @@
   }
   // An input for a key, written when it is left.
   function field(label, value, place, kind, cls) {
-    const input = h("input", { "aria-label": label, class: cls, autocomplete: "off", "data-key": place.key });
+    const input = h("input", { "aria-label": label, class: cls, autocomplete: "off", "data-key": place.key,
+      placeholder: kind === "angle" && place.section === "run" ? "45deg" : null });
     input.value = value === undefined || value === null ? "" : String(value);
     const before = input.value;
     input.addEventListener("change", () => {
@@ -325,21 +326,26 @@
     try {
       const f = await ask(query("forecast", Object.fromEntries([...new FormData($("ask"))].map(([k, v]) => [k, v.trim().replace(",", ".")]))));
       $("forecast").replaceChildren(h("p", {}, f.sentence),
-        f.parameters ? h("table", {}, h("thead", {}, h("tr", {}, ...["Parameter", "Assumed", "sd to expect"].map((t) => h("th", { scope: "col" }, t)))),
-          h("tbody", {}, ...Object.entries(f.parameters).map(([name, v]) => h("tr", {}, h("th", { scope: "row" }, name), h("td", {}, digits(v.assumed)), h("td", {}, v.sd === null ? "not determined" : Number(v.sd).toPrecision(2)))))) : "",
-        h("ul", {}, ...(f.weak || []).map((w) => h("li", {}, w))), f.next ? h("p", {}, "Film next: " + f.next) : "",
+        f.parameters ? h("table", {}, h("thead", {}, h("tr", {}, ...["Parameter", "Value assumed ± sd to expect"].map((t) => h("th", { scope: "col" }, t)))),
+          h("tbody", {}, ...Object.entries(f.parameters).map(([name, v]) => h("tr", {}, h("th", { scope: "row" }, name), h("td", {}, v.sd === null ? digits(v.assumed) + ", not determined" : withSd(v.assumed, v.sd)))))) : "",
+        h("ul", {}, ...(f.weak || []).map((w) => h("li", {}, w))), f.next ? h("p", {}, f.next) : "",
         f.parameters ? h("p", { class: "note" }, "From the model alone, each displacement known to 1 % and 0.01 mm, at the assumed values ([fit.guess] sets others).") : "");
     } catch (error) { $("forecast").textContent = error.message; }
   });
 
   // Fit and report.
+  // To two digits of the sd.
+  function withSd(value, sd) {
+    const places = sd > 0 && isFinite(sd) ? Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(sd)))) : -1;
+    return places < 0 ? digits(value) + ", not determined" : value.toFixed(places) + " ± " + sd.toFixed(places);
+  }
   let reported = "";
   function showReport() {
     $("run-command").textContent = "as a command: tribotrack run " + state.campaign;
     const fit = state.fit, kinds = { use: "good", care: "care", do_not_use: "bad" };
     const words = { use: "Can be used", care: "Use with care", do_not_use: "Do not use" };
     $("verdict").replaceChildren(...(fit ? [h("div", { class: "verdict " + (kinds[fit.verdict] || "none") }, h("h3", {}, words[fit.verdict] || "Fitted"),
-      h("p", {}, Object.entries(fit.parameters || {}).map(([name, v]) => name + " = " + digits(v.estimate) + " ± " + Number(v.sd).toPrecision(2)).join(", ")))] : []));
+      h("p", {}, Object.entries(fit.parameters || {}).map(([name, v]) => name + " = " + withSd(v.estimate, v.sd)).join(", ")))] : []));
     $("report-link").hidden = $("report-frame").hidden = !state.report;
     if (!state.report) return;
     const address = "out/report.html?" + state.report;

@@ -189,6 +189,29 @@ TEST_F(Open, WhatItIsGivenAndItsPortAreChecked) {
   EXPECT_EQ(end(SIGINT), 128 + SIGINT);
 }
 
+// However it ends.
+TEST_F(Open, WhatItStartedEndsWithIt) {
+  film(shot("phi000_dtau060", 0, 60) + shot("phi090_dtau060", 90, 60) + shot("phi000_dtau120", 0, 120));
+  ASSERT_EQ(run("init lab --from lab --disc-diameter-mm 6 -q").exit_code, 0);
+  open();
+  EXPECT_EQ(send("POST", secret_ + "start", R"({"what": "run"})").status, 200);
+  EXPECT_EQ(send("POST", secret_ + "start", R"({"what": "run"})").status, 409) << "one command at a time";
+  const auto at_work = [&] {
+    for (const auto& process : std::filesystem::directory_iterator("/proc")) {
+      std::error_code gone;
+      if (std::filesystem::read_symlink(process.path() / "cwd", gone) == in_folder("lab")) return true;
+    }
+    return false;
+  };
+  for (int tries = 0; tries < 100 && !at_work(); ++tries)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_TRUE(at_work());
+  end(SIGKILL);
+  for (int tries = 0; tries < 100 && at_work(); ++tries)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_FALSE(at_work());
+}
+
 using OpenInChromium = Open;
 
 // The whole path with nothing but the page; what it leaves is a campaign that `run` takes to the same
