@@ -10,6 +10,7 @@
 #include "apps/open/session.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
+#include "apps/text/json.h"
 #include "apps/text/output_file.h"
 #include "apps/usage/wrong_usage.h"
 
@@ -20,7 +21,7 @@ namespace {
 struct OpenOptions {
   std::string given = ".";
   int port = 0;
-  bool no_browser = false;
+  bool no_browser = false, json = false;
 };
 
 /// By the desktop, where there is one; a grandchild, so that nothing waits for it.
@@ -41,7 +42,8 @@ void open_command(const OpenOptions& options, const Context& context) {
   OpenSession session(options.given, context);
   LocalServer server(options.port, [&session](const Asked& asked) { return session.answer(asked); });
   const LastWords ended("the page is closed; the campaign is as it was last written");
-  print("{}\n", server.url());
+  print_text(options.json ? text_of(Json{{"url", server.url()}, {"folder", session.folder().string()}})
+                          : server.url() + "\n");
   flush_output();
   say(context.quiet,
       fmt::format("the page for {}: open this address in a browser on this machine; Ctrl-C ends it",
@@ -65,6 +67,7 @@ void add_open(CLI::App& app, Context& context) {
   command.add_option("--port", options->port, "Port on 127.0.0.1 (default: a free one)")
       ->type_name("PORT")
       ->check(whole_number(1, 65535));
+  command.add_flag("--json", options->json, "Print address and folder as one JSON object");
   command.add_flag("--no-browser", options->no_browser, "Print the address only");
   add_common(command, context,
              "  tribotrack open recordings\n\nThe page is served to this machine alone, to whoever has the "

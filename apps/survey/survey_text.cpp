@@ -219,11 +219,8 @@ Json numbers(const vision::Circle& c) {
 
 Json targets(const vision::Survey& seen) {
   const auto target = [](const char* key, const char* name, const char* colour, Json values) {
-    return Json{{"key", key},
-                {"name", name},
-                {"colour", colour},
-                {"values", std::move(values)},
-                {"shape", "circle"}};
+    return Json{
+        {"key", key}, {"name", name}, {"colour", colour}, {"values", std::move(values)}, {"shape", "circle"}};
   };
   Json list = Json::array();
   list.push_back(

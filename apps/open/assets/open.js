@@ -97,7 +97,8 @@
   // Recordings: a row for each run and for each recording without one.
   function rateText(p) {
     const t = p.time_base || {};
-    return t.rate_hz ? +t.rate_hz.toPrecision(6) + "/s, " + (t.from || t.source || "stated") : "rate not known: give the frame rate";
+    const given = valuesOf("camera").frame_rate_hz;
+    return given ? given + "/s, given" : t.rate_hz ? +t.rate_hz.toPrecision(6) + "/s by the " + (t.from || t.source || "file") : "rate not known: give the frame rate";
   }
   function look(recording, cell) {
     const p = probed.get(recording);
@@ -111,10 +112,11 @@
   }
   function recordingsTable() {
     const runs = (state.values || {}).run || [], named = new Set(runs.map((r) => r.video));
-    const rows = runs.map((run, k) => ({ run, k, video: run.video })).concat(
-      (state.recordings || []).filter((r) => !named.has(r)).map((video) => ({ video })));
+    const inList = listed().map((r) => r.video).filter((video) => !named.has(video));  // of [data] runs
+    const rows = runs.map((run, k) => ({ run, k, video: run.video })).concat(inList.map((video) => ({ video, list: true })),
+      (state.recordings || []).filter((r) => !named.has(r) && !inList.includes(r)).map((video) => ({ video })));
     const labelled = (text, input) => h("label", {}, h("span", {}, text + " "), input);
-    const body = rows.map(({ run, k, video }) => {
+    const body = rows.map(({ run, k, video, list }) => {
       const cell = h("td", { class: "seen", "data-recording": video });
       if (video) look(video, cell);
       const name = video || (run || {}).name || "measured elsewhere", place = (key) => ({ section: "run", run: k, key });
@@ -124,7 +126,8 @@
         ...(run ? [h("td", {}, slide ? "free slide" : labelled("phi", field("phi of " + name, run.phi_rad, place("phi_rad"), "angle"))),
           h("td", {}, slide ? "" : labelled("dtau", field("dtau of " + name, run.dtau_rad, place("dtau_rad"), "angle"))),
           h("td", {}, labelled("name", field("name of " + name, run.name, place("name"), "text", "name")))]
-          : has() ? [h("td", { colspan: 3 }, h("button", { type: "button", onclick: () => write({ add: [video] }, video) }, "Add to the campaign"))] : []));
+          : list ? [h("td", { colspan: 3 }, "by the list ", h("code", {}, valuesOf("data").runs))]
+            : has() ? [h("td", { colspan: 3 }, h("button", { type: "button", onclick: () => write({ add: [video] }, video) }, "Add to the campaign"))] : []));
     });
     const head = ["", "Recording", "What it is"].concat(has() ? ["phi", "dtau", "Name"] : []);
     $("runs").replaceChildren(rows.length ? h("table", { class: "listed" }, h("thead", {}, h("tr", {}, ...head.map((t) =>
@@ -156,6 +159,7 @@
     $("shared").replaceChildren(...kShared.map(([section, key, label, kind]) =>
       h("label", {}, label, field(label, valuesOf(section)[key], { section, key }, kind || "number"))));
   }
+  $("again").addEventListener("click", load);
   const draftFields = () => Object.fromEntries([...new FormData($("draft-form"))].map(([k, v]) => [k, v.trim().replace(",", ".")]));
   function draftCommand() {
     const d = draftFields();
@@ -224,7 +228,7 @@
     for (const t of views.point.data.targets.slice(0, 4)) {
       const value = t.values ? "[" + t.values.map(views.point.rounded).join(", ") + "]" : "";
       const before = given(t.key), as = before ? "[" + before.map(views.point.rounded).join(", ") + "]" : "";
-      if (value !== as) edits.push(one && t.key !== "gate_px" ? { section: "run", run: index, key: t.key, value } : { section: "camera", key: t.key, value });
+      if (value !== as) edits.push(one && index >= 0 && t.key !== "gate_px" ? { section: "run", run: index, key: t.key, value } : { section: "camera", key: t.key, value });
     }
     if (scale()) edits.push({ section: "camera", key: "mm_per_px", value: String(scale()) });
     return edits;
@@ -281,7 +285,7 @@
         const r = byFrame.get(p.first_image + k);
         $("track-row").textContent = !r ? "this frame was not analysed" : r.status !== "ok" ? "frame " + r.frame + ": " + r.status :
           "frame " + r.frame + ": (" + r.x_px.toFixed(3) + ", " + r.y_px.toFixed(3) + ") px, sd " + r.sigma_x_px.toPrecision(2) + " and " + r.sigma_y_px.toPrecision(2) +
-          " px, correlation " + r.ncc.toFixed(4) + ", residual " + (1 - r.ncc).toExponential(1);
+          " px, correlation " + r.ncc.toFixed(5);
         if (!r || r.status !== "ok") return;
         paper.strokeStyle = "#50ff50";
         paper.beginPath();
@@ -306,7 +310,7 @@
       if (!t.rate_hz && !valuesOf("camera").frame_rate_hz) bad.push(t.why_unknown || "frame rate not known");
       if ((t.gaps || []).length) bad.push(t.gaps.length + " gaps");
       if (((p.repeats || {}).repeated_images || []).length) bad.push(p.repeats.repeated_images.length + " repeated frames");
-      return h("li", {}, r.name + ": " + (t.rate_hz ? rateText(p) : valuesOf("camera").frame_rate_hz ? valuesOf("camera").frame_rate_hz + "/s, given" : "") +
+      return h("li", {}, r.name + ": " + rateText(p) +
         (bad.length ? "; " + bad.join(", ") : ", sound"));
     }));
     const driven = (state.runs || []).filter((r) => !r.free_slide), scoped = driven.filter((r) => r.scope).length;
@@ -381,7 +385,7 @@
         showJob();
         const ended = wasRunning && !job.running, stale = state.revision !== undefined && job.revision !== state.revision;
         wasRunning = job.running;
-        if (ended) say(job.command + ": " + $("job-end").textContent, job.exit_code ? "bad" : "good");
+        if (ended) say(job.command.split(" ").slice(0, 2).join(" ") + ": " + $("job-end").textContent, job.exit_code ? "bad" : "good");
         if ((ended || stale) && !(document.activeElement && document.activeElement.id === "text" && stale && !ended)) await load();
       } catch (error) {
         if (error.status === undefined) say("The program has ended: start `tribotrack open` again, and use the address that it prints.", "bad");
@@ -420,7 +424,12 @@
     document.querySelectorAll("main > section").forEach((s) => { s.hidden = "#" + s.id !== step; });
     $("folder").textContent = (state.folder || "") + (has() ? " – " + state.campaign : "");
     const open = ((state.text || "").match(/^# TO FILL IN: .*$/gm) || []).map((l) => l.slice(14));
-    if (open.length) say("To fill in: " + open.slice(0, 3).join("; ") + (open.length > 3 ? "; and " + (open.length - 3) + " more" : ""), "care");
+    if (open.length) {
+      const names = open.map((l) => (l.match(/^phi_rad and dtau_rad of (.*?): /) || [])[1]).filter(Boolean);
+      const others = open.filter((l) => !l.startsWith("phi_rad and dtau_rad of "));
+      say("To fill in: " + others.concat(names.length ? ["phi and dtau of " + names.slice(0, 4).join(", ") +
+        (names.length > 4 ? " and " + (names.length - 4) + " more" : "")] : []).join("; "), "care");
+    }
     else if (state.problem) say(state.problem, "bad");
     if (state.revision === undefined) return;
     showWhich();
