@@ -59,6 +59,7 @@ OpenSession::OpenSession(const fs::path& given, const Context& context) : contex
   folder_ = fs::canonical(is_folder ? given : fs::absolute(given).parent_path());
   name_ = is_folder ? "campaign.toml" : given.filename().string();
   if (!fs::exists(file())) return;
+  campaign_text();
   try {
     for (const CampaignRun& run : read_campaign(file(), Runs::may_be_missing).runs)
       if (run.video) named_.insert(fs::weakly_canonical(*run.video));
@@ -83,8 +84,15 @@ fs::path OpenSession::recording(const std::string& video) {
   return path;
 }
 
+std::string OpenSession::campaign_text() const {
+  if (!is_inside(file()))
+    throw InvalidInput(
+        fmt::format("{}: is a link out of {}; give the campaign that it leads to", name_, folder_.string()));
+  return read_text(file());
+}
+
 std::string OpenSession::revision() const {
-  return fs::exists(file()) ? hash_of_text(read_text(file())) : "none";
+  return fs::exists(file()) ? hash_of_text(campaign_text()) : "none";
 }
 
 Json OpenSession::state() {
@@ -105,7 +113,7 @@ Json OpenSession::state() {
     } catch (const InvalidInput&) {  // the report says it
     }
   if (state["revision"] == "none") return state;
-  const std::string text = read_text(file());
+  const std::string text = campaign_text();
   state["text"] = text;
   try {
     const Json values = values_of_campaign(text, name_);
@@ -179,7 +187,7 @@ Answer OpenSession::changed(const Json& wanted) {
                          " has changed since this page read it, in another tab or an editor: nothing was "
                          "written. The page now shows it as it is.");
     if (now == "none") return refusal(400, "there is no campaign yet: draft one first");
-    write_campaign(file(), with_changes(wanted, read_text(file())));
+    write_campaign(file(), with_changes(wanted, campaign_text()));
   }
   return answer_of(state());
 }

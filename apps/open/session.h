@@ -48,6 +48,7 @@ class OpenSession {
   Words arguments_of(const Json& wanted);
   Words first_second(const std::string& run);
   std::filesystem::path file() const { return folder_ / name_; }
+  std::string campaign_text() const;
   std::string revision() const;
   /// The recording of a campaign's key `video`; throws InvalidInput for what lies outside the folder, links
   /// followed.

@@ -184,6 +184,9 @@ TEST_F(Open, AnOlderPageWritesNothing) {
 TEST_F(Open, WhatItIsGivenAndItsPortAreChecked) {
   expect_refused(run("open nowhere --no-browser"), 3, {"nowhere"});
   expect_refused(run("open lab --port 0"), 2, {"--port"});
+  std::filesystem::create_directory(in_folder("linked"));
+  std::filesystem::create_symlink(in_folder("outside.csv"), in_folder("linked/campaign.toml"));
+  expect_refused(run("open linked --no-browser"), 3, {"campaign.toml", "link"});
   open();
   expect_refused(run("open lab --no-browser --port " + std::to_string(port_)), 3, {"--port"});
   EXPECT_EQ(end(SIGINT), 128 + SIGINT);
