@@ -308,7 +308,6 @@ Words OpenSession::arguments_of(const Json& wanted) {
   }
   if (what == "run") return {"run", name_};
   if (what == "plan") return {"run", name_, "--dry-run"};
-  if (what == "verify") return {"verify", output_of(name_).string()};
   if (what == "first_second") return first_second(run);
   if (what == "track") {
     const RunFolder results{output_of(name_)};
