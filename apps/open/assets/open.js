@@ -81,10 +81,14 @@
     const input = h("input", { "aria-label": label, class: cls, autocomplete: "off", "data-key": place.key,
       placeholder: kind === "angle" && place.section === "run" ? "45deg" : null });
     input.value = value === undefined || value === null ? "" : String(value);
-    const before = input.value;
-    input.addEventListener("change", () => {
-      if (input.value.trim() !== before) write({ edits: [{ ...place, value: toml(input.value, kind) }] }, label);
-    });
+    input.dataset.before = input.value;
+    const leave = () => {
+      if (!input.isConnected || input.value.trim() === input.dataset.before) return;
+      input.dataset.before = input.value.trim();
+      write({ edits: [{ ...place, value: toml(input.value, kind) }] }, label);
+    };
+    input.addEventListener("change", leave);
+    input.addEventListener("blur", leave);
     return input;
   }
   const valuesOf = (section) => section.split(".").reduce((v, key) => (v || {})[key], state.values || {}) || {};
@@ -146,8 +150,7 @@
       try { probed.set(recording, await ask(query("probe", { recording }))); }
       catch (error) { probed.set(recording, { failure: error.message }); }
       document.querySelectorAll("td.seen").forEach((cell) => { if (cell.dataset.recording === recording) look(recording, cell); });
-      if (location.hash === "#check") showCheck();
-      if (location.hash === "#point") showPoint();
+      if (["#point", "#track", "#check"].includes(location.hash)) show();
     }
     probing = false;
     root.dataset.probed = String(probed.size);
@@ -418,7 +421,19 @@
 
   // Steps.
   const steps = [...document.querySelectorAll("#steps a")];
+  // Anew, the keyboard where it was, with what was being typed there.
   function show() {
+    const active = document.activeElement, label = active && active.getAttribute("aria-label"), typed = active && active.value;
+    const dirty = active && active.dataset.before !== undefined && typed !== active.dataset.before;
+    render();
+    if (!label || active.isConnected) return;
+    const again = document.querySelector('[aria-label="' + CSS.escape(label) + '"]');
+    if (!again) return;
+    if (dirty) again.value = typed;
+    again.focus();
+    if (!dirty && again.select) again.select();
+  }
+  function render() {
     const step = steps.map((a) => a.hash).includes(location.hash) ? location.hash : "#recordings";
     steps.forEach((a) => { if (a.hash === step) a.setAttribute("aria-current", "page"); else a.removeAttribute("aria-current"); });
     document.querySelectorAll("main > section").forEach((s) => { s.hidden = "#" + s.id !== step; });

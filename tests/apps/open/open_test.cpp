@@ -250,6 +250,9 @@ TEST_F(OpenInChromium, FromAFolderOfRecordingsToAReport) {
   ASSERT_TRUE(browser.wait_for(last + ".value === '200deg'"))
       << browser.value("return document.body.innerText");
 
+  EXPECT_EQ(browser.value("return document.activeElement.getAttribute('aria-label')"),
+            "dtau of IMG_2044.cine");
+
   // A click beside the disc's centre finds the disc.
   ASSERT_TRUE(browser.wait_for("document.documentElement.dataset.probed === '4'"));
   browser.value("location.hash = '#point'");
