@@ -452,7 +452,7 @@
     if (step !== "#recordings") { listed().forEach((r) => { if (!probed.has(r.video)) wanted.add(r.video); }); probeNext(); }
     root.dataset.revision = state.revision;
   }
-  addEventListener("hashchange", () => { say(""); show(); scrollTo(0, 0); });
+  addEventListener("hashchange", () => { say(""); show(); });
   draftCommand();
   load().then(follow);
 })();
