@@ -60,9 +60,10 @@ void add_run(CLI::App& app, Context& context) {
   command.add_option("CAMPAIGN", options->campaign, "The campaign file")
       ->type_name("CAMPAIGN.toml")
       ->required();
-  command.add_option("-o,--output", options->output, "Folder for tracks, fit.json and report.html")
-      ->type_name("DIR")
-      ->required();
+  command
+      .add_option("-o,--output", options->output,
+                  "Folder for tracks, fit.json and report.html (default: CAMPAIGN-out, beside the campaign)")
+      ->type_name("DIR");
   command
       .add_option("--part", options->part,
                   "Only this one of the campaign's several [[part]] (default: each, into DIR/NAME)")
@@ -81,11 +82,14 @@ void add_run(CLI::App& app, Context& context) {
   command.add_flag("--wait", options->wait, "Wait while another run is writing into DIR (default: refuse)");
   add_common(
       command, context,
-      "  tribotrack run data/example/campaign.toml -o out\n\nA campaign may give KEY_sd beside each "
+      "  tribotrack run data/example/campaign.toml\n\nA campaign may give KEY_sd beside each "
       "quantity (amplitude_mm_sd, gravity_m_s2_sd, phi_rad_sd, ...): the "
       "intervals include it. Without one they have that of the last digit or a typical one, unless [fit] "
       "exact names them.");
-  command.callback([options, &context] { run_command(*options, context); });
+  command.callback([options, &context] {
+    if (options->output.empty()) options->output = output_of(campaign_file(options->campaign)).string();
+    run_command(*options, context);
+  });
 }
 
 // tribotrack fit: friction parameters from the runs of a campaign.

@@ -61,6 +61,7 @@ void add_options_of_all(CLI::App& command, Context& context) {
 }
 
 void add_commands(CLI::App& app, Context& context) {
+  add_open(app, context);
   add_run(app, context);
   add_watch(app, context);
   add_track(app, context);
@@ -177,7 +178,9 @@ int run_program(int argc, const char* const* argv) {
       "tribotrack"};
   app.require_subcommand(1);
   app.footer(topics() +
-             "\nStart with `tribotrack help start-here`, or `tribotrack init DIR`; tribotrack COMMAND --help "
+             "\nStart with `tribotrack open FOLDER`: a page in the browser, from the recordings in it to the "
+             "report. "
+             "Without one: `tribotrack help start-here`, or `tribotrack init DIR`; tribotrack COMMAND --help "
              "explains each "
              "command.");
   add_options_of_all(app, context);
@@ -189,6 +192,10 @@ int run_program(int argc, const char* const* argv) {
       print_text(*what);
       flush_output();
       return kDone;
+    }
+    if (typed.empty()) {  // nothing was asked: no result, so nothing on stdout
+      print_error(app.help());
+      return kUsage;
     }
     if (const std::string left = what_left(typed); !left.empty()) throw UsageError(left);
     try {

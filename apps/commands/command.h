@@ -34,6 +34,7 @@ void add_bench(CLI::App& app, Context& context);
 void add_calibrate(CLI::App& app, Context& context);
 void add_init(CLI::App& app, Context& context);
 void add_watch(CLI::App& app, Context& context);
+void add_open(CLI::App& app, Context& context);
 
 /// Parses a command line and carries it out. Errors go to stderr as one sentence; the result is the exit
 /// code.

@@ -176,10 +176,17 @@ void print_description(const vision::SourceInfo& info, const vision::RepeatedFra
     print("  the first {} frames were compared with the one before each\n", repeats.looked_at);
 }
 
-/// What the first frame shows, in a picture and on a page; nothing where neither is asked for.
+/// What the first frame shows, in a picture, on a page and in JSON; nothing where none of them is asked for.
 std::optional<vision::Survey> look_around(vision::FrameSource& source, const ProbeOptions& options) {
-  if (options.picture.empty() && options.page.empty()) return std::nullopt;
-  vision::Survey seen = vision::survey(source);
+  const bool must = !options.picture.empty() || !options.page.empty();
+  if (!must && !options.json) return std::nullopt;
+  vision::Survey seen;
+  try {
+    seen = vision::survey(source);
+  } catch (const vision::InputError&) {
+    if (must) throw;
+    return std::nullopt;  // the description says which frames cannot be read
+  }
   if (!options.picture.empty()) {
     const auto png = vision::survey_png(source, seen);
     write_file(options.picture, {reinterpret_cast<const char*>(png.data()), png.size()}, Content::pictures);
@@ -262,26 +269,27 @@ namespace fs = std::filesystem;
 namespace {
 
 struct InitOptions {
-  std::string folder, from;
-  std::optional<double> diameter_mm, fps;
+  std::string folder, from, list;
+  std::optional<double> diameter_mm, chamfer_mm, fps;
   bool json = false;
 };
 
 CampaignDraft draft_for(const InitOptions& options, const Context& context) {
+  const DraftOptions draft{options.folder, options.diameter_mm, options.chamfer_mm, options.fps};
   if (options.from.empty()) {
-    CampaignDraft draft;
-    if (options.diameter_mm)
-      draft.tables["part"]["diameter_mm"] = {fmt::format("{}", *options.diameter_mm), "given"};
-    if (options.fps) draft.tables["camera"]["frame_rate_hz"] = {fmt::format("{}", *options.fps), "given"};
-    return draft;
+    CampaignDraft empty;
+    take_given(draft, empty);
+    return empty;
   }
+  if (!options.list.empty())
+    return draft_of(read_run_list(options.list, read_text(options.list)), options.from, draft, context);
   const std::vector<fs::path> recordings = recordings_in(options.from);
   if (recordings.empty())
     throw InvalidInput(
         fmt::format("{}: holds no recording (.cine, video, TIFF stack or folders of pictures); give the "
                     "folder that does",
                     options.from));
-  return draft_of(recordings, {options.folder, options.diameter_mm, options.fps}, context);
+  return draft_of(recordings, draft, context);
 }
 
 void init(const InitOptions& options, const Context& context) {
@@ -322,11 +330,23 @@ void add_init(CLI::App& app, Context& context) {
                   "found, phi and "
                   "dtau by the name (phi045_dtau060, 45deg_60deg)")
       ->type_name("RECORDINGS");
+  command
+      .add_option(
+          "--list", options->list,
+          "A table that says of each recording what its name does not: columns video, phi_deg, dtau_deg "
+          "(or _rad, or the unit in the cells), name, cycles, or any other key of a run; separated by , "
+          "; or tabs, decimal commas too")
+      ->type_name("RUNS.csv")
+      ->needs(command.get_option("--from"));
   add_number(command, "--disc-diameter-mm", options->diameter_mm,
              "The part's diameter, which sets the scale");
+  add_number(command, "--chamfer-mm", options->chamfer_mm,
+             "Width of the part's chamfer seen from above, 0 for a sharp edge");
   add_number(command, "--fps", options->fps, "Frame rate, where the recordings do not say it");
   command.add_flag("--json", options->json, "Print what was found as one JSON object");
-  add_common(command, context, "  tribotrack init my_campaign --from recordings --disc-diameter-mm 6");
+  add_common(command, context,
+             "  tribotrack init my_campaign --from recordings --disc-diameter-mm 6\n"
+             "  tribotrack init my_campaign --from recordings --list runs.csv --disc-diameter-mm 6");
   command.callback([options, &context] { init(*options, context); });
 }
 

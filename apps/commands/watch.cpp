@@ -26,7 +26,7 @@ constexpr const char* kFirst = "phi = 0 (0deg), dtau = pi/3 (60deg): any run tel
 
 struct WatchOptions {
   std::string folder, output, until;
-  std::optional<double> diameter_mm, fps, until_idle_s;
+  std::optional<double> diameter_mm, chamfer_mm, fps, until_idle_s;
   bool json = false, wait = false;
 };
 
@@ -41,8 +41,10 @@ class Watcher {
         context_(context),
         goals_(goals_from(options.until)),
         arrivals_(options.folder, {}),
-        campaign_(options.folder,
-                  {.folder = options.folder, .diameter_mm = options.diameter_mm, .fps = options.fps}),
+        campaign_(options.folder, {.folder = options.folder,
+                                   .diameter_mm = options.diameter_mm,
+                                   .chamfer_mm = options.chamfer_mm,
+                                   .fps = options.fps}),
         lock_(RunFolder{options.output}, campaign_.file(), options.wait) {}
 
   void watch() {
@@ -216,6 +218,7 @@ void add_watch(CLI::App& app, Context& context) {
              "End when nothing has arrived for so long, s (default: never)");
   add_number(command, "--disc-diameter-mm", options->diameter_mm,
              "The part's diameter, where there is no campaign.toml yet");
+  add_number(command, "--chamfer-mm", options->chamfer_mm, "Width of its chamfer seen from above, likewise");
   add_number(command, "--fps", options->fps,
              "Frame rate, where there is no campaign.toml yet and the recordings do not say it");
   command.add_flag("--json", options->json, "Print the last fit as one JSON object, at the end");

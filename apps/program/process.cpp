@@ -105,8 +105,9 @@ ProgressStyle progress_style(bool quiet) {
 ProgressLine::ProgressLine(ProgressStyle style, std::FILE* to)
     : style_(style), to_(to), begun_(steady_clock::now()), last_(begun_) {}
 
-ProgressLine::~ProgressLine() {
+void ProgressLine::clear() {
   if (shown_ && style_ == ProgressStyle::rewritten) std::fputs("\r\033[K", to_);
+  shown_ = false;
 }
 
 bool ProgressLine::is_due(bool last) const {
@@ -144,6 +145,7 @@ void Progress::update(std::int64_t done, std::int64_t total) {
   const std::lock_guard lock(mutex_);
   if (line_.is_due(done >= total))
     line_.show(fmt::format("{}: {}", what_, progress_text(done, total, unit_, line_.seconds())));
+  if (done >= total) line_.clear();  // notes may come before this object goes
 }
 
 void StageProgress::update(const std::string& stage, std::size_t done, std::size_t total) {

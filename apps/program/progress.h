@@ -22,12 +22,13 @@ ProgressStyle progress_style(bool quiet);
 class ProgressLine {
  public:
   explicit ProgressLine(ProgressStyle style, std::FILE* to = stderr);
-  ~ProgressLine();
+  ~ProgressLine() { clear(); }
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
   /// May a line be shown now? `last`: nothing comes after it.
   bool is_due(bool last) const;
   void show(std::string_view line);
+  void clear();            ///< what comes next begins at the margin
   double seconds() const;  ///< since it was made
 
  private:

@@ -80,12 +80,6 @@ std::optional<fit::ShownMotion> motion_in(const fs::path& recording, const Look&
   }
 }
 
-std::string relative_to(const fs::path& recording, const fs::path& folder) {
-  const fs::path relative =
-      fs::absolute(recording).lexically_normal().lexically_relative(fs::absolute(folder).lexically_normal());
-  return relative.empty() ? fs::absolute(recording).string() : relative.string();
-}
-
 /// The place that all recordings show, where they show one.
 std::optional<vision::Circle> common_place(const std::vector<std::optional<vision::Circle>>& places) {
   if (places.empty() || !places.front()) return std::nullopt;
@@ -142,6 +136,11 @@ bool repeats(const Look& look) {
 
 bool slides(const Look& look, const NameGuess& guess) {
   return guess.free_slide || (look.motion && look.motion->braking);
+}
+
+/// Does a list say that a run is driven, whatever its recording seems to show?
+bool is_driven(const Json& listed) {
+  return listed.contains("phi_rad") || listed.contains("dtau_rad") || listed.value("kind", "") == "pulses";
 }
 
 DraftTable run_of(const fs::path& recording, const Look& look, const NameGuess& guess,
@@ -290,6 +289,12 @@ bool holds_pictures(const fs::path& folder) {
 
 }  // namespace
 
+std::string relative_to(const fs::path& recording, const fs::path& folder) {
+  const fs::path relative =
+      fs::absolute(recording).lexically_normal().lexically_relative(fs::absolute(folder).lexically_normal());
+  return relative.empty() ? fs::absolute(recording).string() : relative.string();
+}
+
 std::vector<fs::path> recordings_in(const fs::path& folder) {
   if (!fs::is_directory(folder)) throw InvalidInput(fmt::format("{}: is not a folder", folder.string()));
   std::vector<fs::path> recordings;
@@ -325,6 +330,7 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
   std::vector<fs::path> readable;
   std::vector<std::string> names;
   std::vector<Look> usable;
+  std::vector<Json> listed;
   for (std::size_t k = 0; k < looks.size(); ++k) {
     if (!looks[k].failure.empty()) {
       draft.left_out.push_back(looks[k].failure);
@@ -333,6 +339,7 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
     readable.push_back(recordings[k]);
     names.push_back(recordings[k].stem().string());
     usable.push_back(std::move(looks[k]));
+    listed.push_back(options.listed.empty() ? Json::object() : options.listed[k]);
   }
   if (readable.empty())
     throw InvalidInput(draft.left_out.empty()
@@ -342,43 +349,61 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
   all_names.insert(all_names.end(), options.other_names.begin(), options.other_names.end());
   std::vector<NameGuess> guesses = guesses_from(all_names);
   guesses.resize(names.size());
+  for (std::size_t k = 0; k < names.size(); ++k)
+    guesses[k].free_slide = listed[k].contains("kind") ? listed[k]["kind"] == "free_slide"
+                                                       : guesses[k].free_slide && !is_driven(listed[k]);
   parallel_for(readable.size(), threads_to_use(context), [&](std::size_t k) {
-    if (guesses[k].free_slide || may_slide(usable[k].seen, guesses[k]))
+    if (guesses[k].free_slide || (!is_driven(listed[k]) && may_slide(usable[k].seen, guesses[k])))
       usable[k].motion = motion_in(readable[k], usable[k], options.fps);
     if (repeats(usable[k])) guesses[k].free_slide = false;  // whatever its name says
   });
   for (std::size_t k = 0; k < readable.size(); ++k) {
     draft.runs.push_back(run_of(readable[k], usable[k], guesses[k], options));
-    if (draft.runs.back().contains("phi_rad") &&
-        (guesses[k].phi_text.empty() || guesses[k].dtau_text.empty()))
-      draft.missing.push_back(
-          fmt::format("phi_rad and dtau_rad of {}: its name does not tell them", names[k]));
+    DraftTable& run = draft.runs.back();
+    for (const auto& [key, value] : listed[k].items()) run[key] = {toml_value(value), ""};
+    if (run.contains("phi_rad") && (run["phi_rad"].missing || run["dtau_rad"].missing))
+      draft.missing.push_back(fmt::format("phi_rad and dtau_rad of {}: {} not tell them", names[k],
+                                          options.listed.empty() ? "its name does" : "list and name do"));
   }
   place_drive(draft, usable, names);
   place_marks(draft, usable, guesses, options.marks_with_runs);
   place_frame_rate(draft, usable, guesses, options);
-  if (options.diameter_mm)
-    draft.tables["part"]["diameter_mm"] = {fmt::format("{}", *options.diameter_mm), "given"};
-  else
+  take_given(options, draft);
+  if (!options.diameter_mm)
     draft.missing.insert(draft.missing.begin(),
                          "diameter_mm in [part] (or mm_per_px in [camera]): the scale");
   return draft;
+}
+
+void take_given(const DraftOptions& options, CampaignDraft& draft) {
+  const auto take = [&](const char* section, const char* key, const std::optional<double>& value) {
+    if (value) draft.tables[section][key] = {fmt::format("{}", *value), "given"};
+  };
+  take("part", "diameter_mm", options.diameter_mm);
+  take("part", "chamfer_mm", options.chamfer_mm);
+  take("camera", "frame_rate_hz", options.fps);
 }
 
 std::string toml_of_run(const DraftTable& run) {
   std::string text = "\n[[run]]\n";
   for (const KeyFacts& key : run_keys())
     if (const auto found = run.find(key.name); found != run.end()) text += line_of(key.name, found->second);
+  for (const auto& [name, value] : run)  // frequency_hz, and other second names of keys
+    if (std::ranges::count(run_keys(), name, &KeyFacts::name) == 0) text += line_of(name, value);
   return text;
 }
 
 std::string toml_of(const CampaignDraft& draft) {
   std::string text =
-      "# A tribotrack campaign:  tribotrack run campaign.toml -o out\n"
+      "#:schema campaign.schema.json\n"
+      "# (an editor that knows TOML checks and completes by it: tribotrack help campaign --json "
+      ">campaign.schema.json)\n"
+      "# A tribotrack campaign:  tribotrack run campaign.toml\n"
       "# Units stand in the key names. Angles are radians: a number, or a text such as \"pi/3\" or "
       "\"60deg\".\n"
-      "# KEY_sd is the standard deviation of KEY: the intervals count it; a value without one is taken as "
-      "exact.\n"
+      "# KEY_sd is the standard deviation of KEY: the intervals count it; without one, that of its last "
+      "digit "
+      "or of the trade.\n"
       "# What is given and also seen in the recordings is compared. All keys: tribotrack help campaign\n";
   for (const std::string& missing : draft.missing)
     text += fmt::format("# TO FILL IN: {}\n", toml_comment(missing));

@@ -219,11 +219,8 @@ Json numbers(const vision::Circle& c) {
 
 Json targets(const vision::Survey& seen) {
   const auto target = [](const char* key, const char* name, const char* colour, Json values) {
-    return Json{{"key", key},
-                {"name", name},
-                {"colour", colour},
-                {"values", std::move(values)},
-                {"rectangle", false}};
+    return Json{
+        {"key", key}, {"name", name}, {"colour", colour}, {"values", std::move(values)}, {"shape", "circle"}};
   };
   Json list = Json::array();
   list.push_back(
@@ -233,7 +230,7 @@ Json targets(const vision::Survey& seen) {
   list.push_back(target("gate_px", "The gate LED", "#ff6060",
                         seen.lamps.empty() ? Json() : numbers(seen.lamps.front().circle)));
   Json rectangle = target("template_px", "A part that is no disc", "#ffd040", Json());
-  rectangle["rectangle"] = true;
+  rectangle["shape"] = "rectangle";
   list.push_back(rectangle);
   return list;
 }

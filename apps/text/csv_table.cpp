@@ -396,15 +396,27 @@ std::optional<CsvTable::Line> CsvTable::line_at(std::size_t& place, int& number)
   return std::nullopt;
 }
 
+namespace {
+
+/// A number or an angle, its unit perhaps with it.
+bool is_value(std::string_view cell, char decimal) {
+  for (const std::string_view unit : {"deg", "\u00b0", "rad"})
+    if (cell.ends_with(unit)) {
+      cell.remove_suffix(unit.size());
+      return number_of(cell.substr(0, cell.find_last_not_of(' ') + 1), decimal).has_value();
+    }
+  return number_of(cell, decimal) || (cell.find("pi") != cell.npos && parse_angle(cell));
+}
+
+}  // namespace
+
 /// Numbers and angles in a line, less the cells that are neither: what its form makes of it.
 int CsvTable::sense(std::string_view line, const Form& form, Cells& cells) const {
   split(line, form.separator, cells);
   int sense = 0;
   for (const std::string_view cell : cells) {
     if (is_none(cell)) continue;
-    const bool angle = cell.ends_with("deg") || cell.find("pi") != cell.npos;
-    const bool number = number_of(cell, form.decimal) || (angle && parse_angle(cell));
-    sense += number ? 1 : -1;
+    sense += is_value(cell, form.decimal) ? 1 : -1;
   }
   return sense;
 }
@@ -434,6 +446,12 @@ void CsvTable::find_form() {
     for (const std::string_view line : lines)
       for (const char separator : {';', '\t', ','})
         if (form_.separator == ' ' && line.find(separator) != line.npos) form_.separator = separator;
+    int commas = 0;  // few numbers among texts: what most of them are written with
+    for (const std::string_view line : lines) {
+      split(line, form_.separator, cells);
+      for (const std::string_view cell : cells) commas += is_value(cell, ',') - is_value(cell, '.');
+    }
+    if (commas > 0) form_.decimal = ',';
     return;
   }
   std::map<std::size_t, int> sizes;

@@ -167,6 +167,14 @@ std::string toml_text(std::string_view text) {
   return quoted + "\"";
 }
 
+std::string toml_value(const Json& value) {
+  if (value.is_string()) return toml_text(value.get_ref<const std::string&>());
+  if (!value.is_array()) return value.dump();
+  std::string list;
+  for (const Json& one : value) list += (list.empty() ? "" : ", ") + toml_value(one);
+  return "[" + list + "]";
+}
+
 std::string toml_comment(std::string_view text) {
   std::string comment = printable(text);
   std::ranges::replace(comment, '\n', ' ');

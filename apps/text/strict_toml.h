@@ -72,6 +72,9 @@ class StrictTable {
 /// A text in the quotes of TOML, in which it reads back. Throws InvalidInput where it is not UTF-8.
 std::string toml_text(std::string_view text);
 
+/// A number, text or list as TOML.
+std::string toml_value(const Json& value);
+
 /// A text for a comment: on one line, UTF-8, nothing in it that controls a terminal.
 std::string toml_comment(std::string_view text);
 

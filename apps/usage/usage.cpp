@@ -188,7 +188,6 @@ std::string wrong_usage(const CLI::App& app, const CLI::ParseError& error,
                         const std::vector<std::string>& typed) {
   const std::vector<std::string> commands = commands_of(app);
   const std::string word = command_word(typed);
-  if (word.empty() && typed.empty()) return fmt::format("a command is needed: {}", fmt::join(commands, ", "));
   if (word.empty()) {
     const std::vector<std::string> options = options_of(app);
     for (const std::string& option : typed)

@@ -257,8 +257,7 @@ GrowingCampaign::GrowingCampaign(const fs::path& folder, const DraftOptions& dra
                     "write one with `tribotrack init {}`",
                     file_.string(), folder.string()));
   CampaignDraft first;
-  first.tables["part"]["diameter_mm"] = {fmt::format("{}", *draft.diameter_mm), "given"};
-  if (draft.fps) first.tables["camera"]["frame_rate_hz"] = {fmt::format("{}", *draft.fps), "given"};
+  take_given(draft, first);
   write_campaign(file_, toml_of(first));
 }
 

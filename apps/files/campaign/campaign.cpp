@@ -211,6 +211,10 @@ fs::path campaign_file(const fs::path& given) {
       given.string(), given.string()));
 }
 
+fs::path output_of(const fs::path& campaign) {
+  return campaign.parent_path() / (campaign.stem().string() + "-out");
+}
+
 namespace {
 
 std::vector<std::string> names_of(const std::vector<PartSection>& parts) {

@@ -113,6 +113,8 @@ std::filesystem::path campaign_file(const std::filesystem::path& given);
 
 /// May a campaign stand without a [[run]]?
 enum class Runs { required, may_be_missing };
+/// Where `run` writes unless it is told: CAMPAIGN-out for CAMPAIGN.toml.
+std::filesystem::path output_of(const std::filesystem::path& campaign);
 /// Reads and checks a campaign. Throws InvalidInput with file, line and column.
 Campaign read_campaign(const std::filesystem::path& file, Runs runs = Runs::required);
 

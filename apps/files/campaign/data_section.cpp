@@ -195,7 +195,9 @@ struct RunColumn {
 };
 
 /// Nothing where no key of a run is of this quantity and dimension.
-RunColumn run_column(const Heading& heading) {
+RunColumn run_column(Heading heading) {
+  for (const char* word : {"file", "filename", "file_name", "recording", "movie"})
+    if (heading.quantity == word) heading.quantity = "video";
   for (const KeyFacts& key : run_keys()) {
     std::vector<OtherName> names = other_names(key.quantity());
     names.insert(names.begin(), {key.quantity()});
@@ -213,6 +215,14 @@ RunColumn run_column(const Heading& heading) {
     }
   }
   return {};
+}
+
+/// An angle with its unit in the cell, as campaigns write it.
+std::string campaign_angle(std::string text) {
+  for (const auto& [written, meant] : {std::pair("\u00b0", "deg"), {"degrees", "deg"}, {"rad", ""}})
+    if (const std::string_view end = written; text.ends_with(end))
+      return text.substr(0, text.find_last_not_of(' ', text.size() - end.size() - 1) + 1) + meant;
+  return text;
 }
 
 Json value_in(const CsvTable& table, std::string_view cell, const RunColumn& column) {
@@ -236,17 +246,13 @@ Json value_in(const CsvTable& table, std::string_view cell, const RunColumn& col
     table.fail(cell, fmt::format("`{}` has no unit: name its column {}, or another unit", cell, column.name));
   const bool angle = column.key->quantity().ends_with("_rad");
   if (number && column.degrees) return fmt::format("{}deg", *number);
-  if (!number && angle) return table.with_point(cell);  // "pi/3"
+  if (!number && angle) return campaign_angle(table.with_point(cell));  // "pi/3"
   return column.factor * table.number(cell);
 }
 
 }  // namespace
 
-void add_listed_runs(Campaign& campaign) {
-  if (!campaign.data.runs) return;
-  const fs::path& path = *campaign.data.runs;
-  std::string text = read_text(path);
-  campaign.table_inputs.push_back(hashed_input(path, text));
+RunList read_run_list(const fs::path& path, std::string text) {
   CsvTable table(path, std::move(text), [](const Cells& cells) {
     return static_cast<int>(std::ranges::count_if(
         cells, [](std::string_view cell) { return run_column(heading_of(cell)).key != nullptr; }));
@@ -256,24 +262,37 @@ void add_listed_runs(Campaign& campaign) {
         fmt::format("{}: no line names its columns: {}; a table of runs has the columns video (or track), "
                     "phi_deg and dtau_deg",
                     path.string(), table.holds()));
+  RunList list;
   std::vector<RunColumn> columns;
-  std::vector<std::string_view> unused;
   for (std::size_t k = 0; k < table.header().size(); ++k) {
     columns.push_back(run_column(table.heading(k)));
-    if (columns.back().key == nullptr && !table.header()[k].empty()) unused.push_back(table.header()[k]);
+    if (columns.back().key == nullptr && !table.header()[k].empty())
+      list.unused.emplace_back(table.header()[k]);
   }
   while (table.next()) {
     Json run = Json::object();
-    for (std::size_t k = 0; k < table.filled(); ++k) {
+    for (std::size_t k = 0; k < std::min(table.filled(), columns.size()); ++k) {
       const std::string_view cell = table.cells()[k];
       if (columns[k].key != nullptr && !CsvTable::is_none(cell))
         run[columns[k].name] = value_in(table, cell, columns[k]);
     }
-    StrictTable one = StrictTable::of(run, table.place());
+    list.lines.push_back({table.place(), std::move(run)});
+  }
+  return list;
+}
+
+void add_listed_runs(Campaign& campaign) {
+  if (!campaign.data.runs) return;
+  const fs::path& path = *campaign.data.runs;
+  std::string text = read_text(path);
+  campaign.table_inputs.push_back(hashed_input(path, text));
+  const RunList list = read_run_list(path, std::move(text));
+  for (const RunList::Line& line : list.lines) {
+    StrictTable one = StrictTable::of(line.keys, line.place);
     campaign.runs.push_back(read_run(one, campaign));
   }
-  if (!unused.empty())
-    campaign.notes.push_back(fmt::format("{}: not used: {}", path.string(), fmt::join(unused, ", ")));
+  if (!list.unused.empty())
+    campaign.notes.push_back(fmt::format("{}: not used: {}", path.string(), fmt::join(list.unused, ", ")));
 }
 
 void read_tables(StrictTable& table, DataSection& data, const fs::path& folder) {

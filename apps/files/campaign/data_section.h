@@ -43,8 +43,20 @@ DataSection read_data(StrictTable& table, const std::filesystem::path& folder);
 void read_tables(StrictTable& table, DataSection& data, const std::filesystem::path& folder);
 Json written_tables(const DataSection& data);
 
-/// Adds a run for each line of the table of runs: columns are keys of [[run]], with any unit of their
-/// quantity, and columns of no key are noted. Throws InvalidInput naming file, line and column.
+/// A list of runs, one to a line: keys of [[run]] with the values of its cells.
+struct RunList {
+  struct Line {
+    std::string place;  ///< "runs.csv:4"
+    Json keys;
+  };
+  std::vector<Line> lines;
+  std::vector<std::string> unused;  ///< columns of no key
+};
+/// Columns are keys of [[run]], with any unit of their quantity; `file` or `recording` is `video`. Throws
+/// InvalidInput naming file, line and column; `path` stands there for a text that came otherwise.
+RunList read_run_list(const std::filesystem::path& path, std::string text);
+
+/// Adds a run for each line of the list, and notes columns of no key.
 void add_listed_runs(Campaign& campaign);
 
 /// Reads the tables and adds a run for every point, its repeats pooled (fit::pool_points): lines of the same

@@ -17,6 +17,8 @@ struct EmbeddedAssets {
   std::string_view figures_py;       ///< draws them for print
   std::string_view frames_template;  ///< this folder/frames.html: frames to scrub and to point into
   std::string_view frames_js;
+  std::string_view open_html, open_css,
+      open_js;                     ///< apps/open/assets: the page of `open`, on page_css and frames_js
   std::string_view snakefile;      ///< apps/workflow/Snakefile
   std::string_view slurm_profile;  ///< apps/workflow/slurm.yaml
   std::string_view slurm_status;   ///< apps/workflow/slurm_status.sh

@@ -77,6 +77,34 @@ TEST_F(Look, InitFromAFolderIsACampaignThatRuns) {
               AllOf(HasSubstr("phi000_dtau060"), HasSubstr("phi090_dtau060"), Not(HasSubstr("cannot"))));
 }
 
+// What the list says stands against what names and pictures suggest, and each name is looked for in the
+// folder.
+TEST_F(Look, AListSaysWhatNamesDoNot) {
+  std::filesystem::create_directory(in_folder("recordings"));
+  for (const char* name : {"IMG_2041", "IMG_2042", "slide3"})
+    film(std::string("recordings/") + name + ".cine");
+  put(in_folder("runs.csv"),
+      "file;phi "
+      "(\u00b0);dtau;name;cycles;by\nimg_2042;22,5;60\u00b0;second;12;me\nC:\\lab\\SLIDE3.CINE;0;pi/"
+      "3;;;me\n");
+  const Outcome made = run("init lab --from recordings --list runs.csv --disc-diameter-mm 6");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.err, AllOf(HasSubstr("left out: no line of the list names IMG_2041.cine"),
+                              Not(HasSubstr("to fill in"))));
+  const std::string campaign = content_of(in_folder("lab/campaign.toml"));
+  EXPECT_THAT(
+      campaign,
+      AllOf(HasSubstr("[[run]]\nvideo = \"../recordings/IMG_2042.cine\"\nname = \"second\"\nphi_rad = "
+                      "\"22.5deg\"\ndtau_rad = \"60deg\"\ncycles = 12\n"),
+            HasSubstr("slide3.cine\"\nphi_rad = \"0deg\"\ndtau_rad = \"pi/3\"\n"), HasSubstr("#:schema "),
+            HasSubstr("\nmarker_px = [")));
+  EXPECT_EQ(run("run lab --dry-run").exit_code, 0);
+  put(in_folder("runs.csv"), "video,phi_deg,dtau_deg\nIMG_2041.cine,0,60\nIMG_2050.cine,0,60\n");
+  expect_refused(run("init other --from recordings --list runs.csv"), 3,
+                 {"runs.csv:3 (IMG_2050.cine)", "no line names IMG_2042.cine, slide3.cine"});
+  EXPECT_FALSE(std::filesystem::exists(in_folder("other")));
+}
+
 TEST_F(Look, WhatIsNotKnownIsLeftToFillInAndSaid) {
   std::filesystem::create_directory(in_folder("recordings"));
   film("recordings/one.avi");

@@ -38,6 +38,13 @@ TEST_F(Usage, HelpPrintsTheManual) {
   expect_refused(run("help no-such-page"), 2, {"no-such-page"});
 }
 
+TEST_F(Usage, WithoutACommandItSaysWhichThereAre) {
+  const Outcome bare = run("");
+  EXPECT_EQ(bare.exit_code, 2);
+  EXPECT_EQ(bare.out, "");
+  EXPECT_THAT(bare.err, AllOf(HasSubstr("tribotrack open FOLDER"), HasSubstr("\n  track ")));
+}
+
 TEST_F(Usage, VersionNamesLibrariesThreadsAndTemporaryFiles) {
   const std::string version = run("--version").out;
   EXPECT_TRUE(version.starts_with("tribotrack 0.")) << version;

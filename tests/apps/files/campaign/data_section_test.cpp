@@ -217,11 +217,14 @@ TEST_F(Tables, AListOfRunsGivesTheirKeys) {
   const Campaign d = listed("video,phi_deg,dtau_deg,amplitude_um,frequency_hz\nb.cine,90,60,250,10\n");
   EXPECT_DOUBLE_EQ(*d.runs[1].amplitude, 250e-6);
   EXPECT_DOUBLE_EQ(*d.runs[1].angular_frequency, 20 * pi);
+  const Campaign e = listed("File;phi;dtau\nb.cine;22,5\u00b0;0,5 rad\n");  // units in the cells
+  EXPECT_DOUBLE_EQ(e.runs[1].phi, pi / 8);
+  EXPECT_DOUBLE_EQ(e.runs[1].dtau, 0.5);
   EXPECT_THAT(complaint_of([&] { listed("video,phi,dtau_deg\nb.cine,90,60\n"); }),
               HasSubstr("runs.csv:2:8: `90` has no unit"));
   EXPECT_THAT(complaint_of([&] { listed("video,phi_deg\nb.cine,90\n"); }),
               HasSubstr("runs.csv:2: a run needs `phi_rad` and"));
-  EXPECT_THAT(complaint_of([&] { listed("file,when\nb.cine,9\n"); }),
+  EXPECT_THAT(complaint_of([&] { listed("what,when\nb.cine,9\n"); }),
               HasSubstr("no line names its columns: it holds"));
 }
 
