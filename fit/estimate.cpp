@@ -68,6 +68,12 @@ bool lag_taken_as_zero(const Problem& problem) {
   return pulses && !known(FitParameter::lag) && !known(FitParameter::delay);
 }
 
+/// An evaluation is worth more than one thread.
+bool is_large(const Problem& problem) {
+  constexpr std::size_t kManyRuns = 64;
+  return !problem.trajectory_runs.empty() || problem.summary_runs.size() > kManyRuns;
+}
+
 /// A fit from its start to its result; the members are called in their order.
 class Estimation {
  public:
@@ -77,7 +83,7 @@ class Estimation {
         slides_(slides),
         options_(options),
         unknowns_(problem),
-        residuals_(unknowns_, problem.trajectory_runs.empty() ? 1 : options.threads) {
+        residuals_(unknowns_, is_large(problem) ? options.threads : 1) {
     residuals_.set_tolerance(kFine);
     result_.loss = options.loss;
   }
@@ -137,7 +143,6 @@ class Estimation {
 
 void Estimation::find_minimum() {
   residuals_.set_own_errors(unknowns_.first_guess());
-  residuals_.linearise(unknowns_.first_guess());
   search_ = multi_start(residuals_, options_);
   if (search_.minima.empty()) {
     const auto failures = residuals_.failures().kept();
@@ -148,6 +153,7 @@ void Estimation::find_minimum() {
   result_.starts_screened = static_cast<int>(search_.sample.size());
   result_.starts = search_.starts;
   result_.starts_at_best = search_.at_best;
+  residuals_.linearise(unknowns_.values(search_.minima.front().z));
   minimum_ = minimise_linearised(residuals_, search_.minima.front().z);
   // Linear in the conditions the search may take another for the lowest: near the threshold of sliding they
   // are not.
