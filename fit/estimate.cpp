@@ -41,7 +41,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kRefined = 4;
 
 /// Of chi^2, beyond what a kink leaves of it: own errors that move the minimum by more have it found again.
-constexpr double kMoved = 1e-6;
+constexpr double kMoved = 1e-10;
 
 /// Descents under an explanation.
 constexpr int kStartsNearby = 4;

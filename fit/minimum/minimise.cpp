@@ -315,7 +315,8 @@ bool descend(Place& place, const MinimiseOptions& options, Residuals::Laws laws,
     if (!(gain > 0)) last.resize(0);
     best.converged =
         damping > kMostDamping || (gain > 0 ? gain < decrement : promised < std::max(decrement, kUnseen));
-    if (lately - best.chi2 > kLittle) lately = best.chi2, since = 0;
+    const bool full_step = damping <= kFirstDamping && gain > 0.25 * promised;
+    if (full_step || lately - best.chi2 > kLittle) lately = best.chi2, since = 0;
     if (!best.converged && ++since > kPatience) {
       best.converged = true;
       return false;
@@ -328,7 +329,7 @@ bool descend(Place& place, const MinimiseOptions& options, Residuals::Laws laws,
 /// The same until the laws add what they do where it ends; `gently`: they are kept meanwhile.
 void settle(Place& place, const MinimiseOptions& options, bool gently) {
   constexpr int kMostTimes = 3;
-  constexpr double kSettled = 1e-5, kOff = 0.1;  ///< of chi^2
+  constexpr double kSettled = 1e-9, kOff = 0.1;  ///< of chi^2
   const Place start = place;
   int steps = options.full_steps;
   for (int k = 0; gently && k < kMostTimes; ++k) {
