@@ -40,6 +40,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Minima of the search that are looked at in the full model where it decides which is the lowest.
 constexpr std::size_t kRefined = 4;
 
+/// Of chi^2, beyond what a kink leaves of it: own errors that move the minimum by more have it found again.
+constexpr double kMoved = 1e-10;
+
 /// Descents under an explanation.
 constexpr int kStartsNearby = 4;
 
@@ -68,6 +71,12 @@ bool lag_taken_as_zero(const Problem& problem) {
   return pulses && !known(FitParameter::lag) && !known(FitParameter::delay);
 }
 
+/// An evaluation is worth more than one thread.
+bool is_large(const Problem& problem) {
+  constexpr std::size_t kManyRuns = 64;
+  return !problem.trajectory_runs.empty() || problem.summary_runs.size() > kManyRuns;
+}
+
 /// A fit from its start to its result; the members are called in their order.
 class Estimation {
  public:
@@ -77,7 +86,7 @@ class Estimation {
         slides_(slides),
         options_(options),
         unknowns_(problem),
-        residuals_(unknowns_, problem.trajectory_runs.empty() ? 1 : options.threads) {
+        residuals_(unknowns_, is_large(problem) ? options.threads : 1) {
     residuals_.set_tolerance(kFine);
     result_.loss = options.loss;
   }
@@ -137,7 +146,6 @@ class Estimation {
 
 void Estimation::find_minimum() {
   residuals_.set_own_errors(unknowns_.first_guess());
-  residuals_.linearise(unknowns_.first_guess());
   search_ = multi_start(residuals_, options_);
   if (search_.minima.empty()) {
     const auto failures = residuals_.failures().kept();
@@ -148,6 +156,9 @@ void Estimation::find_minimum() {
   result_.starts_screened = static_cast<int>(search_.sample.size());
   result_.starts = search_.starts;
   result_.starts_at_best = search_.at_best;
+  // Own errors move the displacement by as much as these friction parameters make of them.
+  residuals_.set_own_errors(unknowns_.values(search_.minima.front().z));
+  residuals_.linearise(unknowns_.values(search_.minima.front().z));
   minimum_ = minimise_linearised(residuals_, search_.minima.front().z);
   // Linear in the conditions the search may take another for the lowest: near the threshold of sliding they
   // are not.
@@ -161,9 +172,16 @@ void Estimation::find_minimum() {
   }
   if (std::any_of(problem_.summary_runs.begin(), problem_.summary_runs.end(),
                   [](const SummaryRun& run) { return !run.own.parameters.empty(); })) {
-    // Own errors move the displacement by as much as these friction parameters make of them.
-    residuals_.set_own_errors(unknowns_.values(minimum_.z));
-    minimum_ = minimise_linearised(residuals_, minimum_.z);
+    const Eigen::VectorXd values = unknowns_.values(minimum_.z);
+    const double left = minimum_.at.empty() ? 0 : newton_decrement(minimum_.at);
+    residuals_.set_own_errors(values);
+    auto at = residuals_.at(values);
+    if (!at || newton_decrement(*at) > kMoved + 2 * left) {
+      minimum_ = minimise_linearised(residuals_, minimum_.z);
+    } else {
+      minimum_.chi2 = at->chi2();
+      minimum_.at = std::move(*at);
+    }
   }
   result_.chi2 = minimum_.chi2;
   result_.dof = std::max(0, static_cast<int>(std::lround(residuals_.degrees_of_freedom())));

@@ -21,6 +21,7 @@ struct RivalLaw {
   double rise = 0;             ///< s, of each change of mu; its middle lies at the edge; >= 0
   double mu2_speed = 0;        ///< share by which mu2 is higher at the platform's speed
   double static_friction = 0;  ///< share by which friction at rest holds more than it takes from motion
+  bool operator==(const RivalLaw&) const = default;
 };
 
 /// Displacement at the end of the run, m: Dormand-Prince 5(4) that stops and starts anew wherever mu has a

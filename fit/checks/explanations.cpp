@@ -165,7 +165,7 @@ class ScoreTests {
 
   /// The fit in another problem of the same runs, from here.
   void refit(const Problem& problem, const Candidate* candidate, Explanation& found) const {
-    constexpr int kMostSteps = 6;
+    constexpr int kMostSteps = 12;
     constexpr double kShare = 1e-5;  ///< of chi^2 that rejects the fit: what is left of it at a kink
     const Unknowns unknowns(problem);
     const Eigen::VectorXd start = unknowns.values_of(unknowns_, values_);

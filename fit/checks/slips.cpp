@@ -9,6 +9,7 @@
 
 #include "fit/minimum/minimise.h"
 #include "fit/minimum/multi_start.h"
+#include "fit/minimum/screen.h"
 #include "fit/residuals/residuals.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
@@ -180,22 +181,14 @@ Eigen::VectorXd best_place(const Residuals& residuals) {
   return best.second;
 }
 
-/// Evenly over the campaign.
-void keep_some(std::vector<SummaryRun>& runs) {
-  constexpr std::size_t kLookedAt = 16;
-  if (runs.size() <= kLookedAt) return;
-  std::vector<SummaryRun> some;
-  for (std::size_t i = 0; i < kLookedAt; ++i) some.push_back(runs[i * runs.size() / kLookedAt]);
-  runs = std::move(some);
-}
-
 /// Where the data of a problem lie near the model, to some per cent and with its conditions as given; nothing
 /// where they do not.
 std::optional<Eigen::VectorXd> roughly(Problem problem) {
   constexpr double kNear = 0.05;  // of a typical displacement
   constexpr double kFar = 1;      // chi^2/dof
+  constexpr std::size_t kLookedAt = 16;
   problem.conditions.clear();
-  keep_some(problem.summary_runs);
+  keep_representative(problem.summary_runs, kLookedAt);
   std::vector<double> lengths;
   for (const SummaryRun& run : problem.summary_runs) lengths.push_back(run.measured.vector.norm());
   const Unknowns unknowns(problem);

@@ -137,8 +137,8 @@ class Watch final : public ceres::IterationCallback {
         return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
       }
     }
-    if (!(lowest_ - chi2 < kStalled)) lowest_ = chi2, since_ = summary.iteration;
-    if (summary.iteration - since_ >= kPatience) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    if (!(lowest_ - chi2 < (options_.patient ? 1e-4 : 0.01))) lowest_ = chi2, since_ = summary.iteration;
+    if (summary.iteration - since_ >= (options_.patient ? 8 : 4)) return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
     const Evaluation::Point* point = evaluation_.known();
     return point && newton_decrement(point->by_z, options_.held) < options_.decrement
                ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
@@ -155,10 +155,6 @@ class Watch final : public ceres::IterationCallback {
     slow_steps_ = slow ? slow_steps_ + 1 : 0;
     return slow_steps_ >= 3 && summary.step_is_successful;
   }
-
-  /// So many steps that gain less than this leave a descent where it is: at a kink of chi^2.
-  static constexpr int kPatience = 8;
-  static constexpr double kStalled = 1e-4;
 
   const Residuals& residuals_;
   const MinimiseOptions& options_;
@@ -252,99 +248,145 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const
 
 namespace {
 
-/// The full model at z, the residuals linearised there; at infinity without a motion.
-Minimum full_at(Residuals& residuals, const Eigen::VectorXd& z) {
+struct Place {
+  Minimum minimum;
+  Residuals residuals;  ///< linearised there
+};
+
+/// The full model at z; at infinity without a motion.
+Place full_at(const Residuals& residuals, const Eigen::VectorXd& z, Residuals::Laws laws) {
+  Place place{{}, residuals};
+  place.minimum.z = z;
+  place.minimum.chi2 = std::numeric_limits<double>::infinity();
   const Eigen::VectorXd values = residuals.unknowns().values(z);
-  Minimum here;
-  here.z = z;
-  here.chi2 = std::numeric_limits<double>::infinity();
-  if (!values.allFinite() || !residuals.linearise(values)) return here;
-  if (auto at = residuals.at(values)) {
-    here.chi2 = at->chi2();
-    here.at = std::move(*at);
+  if (!values.allFinite() || !place.residuals.linearise(values, laws)) return place;
+  if (auto at = place.residuals.at(values)) {
+    place.minimum.chi2 = at->chi2();
+    place.minimum.at = std::move(*at);
   }
-  return here;
+  return place;
 }
 
-/// Levenberg and Marquardt's method in the full model.
-void descend(Residuals& residuals, Minimum& best, const MinimiseOptions& options) {
-  const int most = options.full_steps;
-  constexpr int kLately = 4;
-  constexpr double kLittle = 1, kFine = 1e-11, kFirstDamping = 1e-4, kMostDamping = 10;
+bool lower(const Place& a, const Place& b) {
+  return a.minimum.chi2 < b.minimum.chi2;
+}
+
+/// Levenberg and Marquardt's method in the full model, with `steps` left to it. False where it ends at a
+/// kink.
+bool descend(Place& place, const MinimiseOptions& options, Residuals::Laws laws, int& steps) {
+  constexpr double kFine = 1e-11, kFirstDamping = 1e-4, kLeastDamping = 1e-6, kMostDamping = 1e3;
+  constexpr int kPatience = 5;
+  constexpr double kLittle = 1e-3;  ///< of chi^2, in as many steps: at a kink the last digits come slowly
+  constexpr double kLeastRatio = 0.3, kMostRatio = 0.98;
+  constexpr double kUnseen = 1e-5;  ///< of chi^2: less than the integration's error makes of it
   const double decrement = std::max(options.decrement, kFine);
-  const Unknowns& unknowns = residuals.unknowns();
+  const Unknowns& unknowns = place.residuals.unknowns();
+  Minimum& best = place.minimum;
   double damping = kFirstDamping, lately = best.chi2;
-  for (int steps = 0; steps < most && !best.converged; ++steps) {
+  Eigen::VectorXd last;  // step
+  for (int since = 0; steps > 0 && !best.converged; --steps) {
     const Eigen::MatrixXd jacobian = best.at.scaled(unknowns.slopes(best.z)).jacobian(unknowns.size());
     Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
     const Eigen::VectorXd gradient = jacobian.transpose() * best.at.residuals();
     normal.diagonal() *= 1 + damping;
-    const Eigen::VectorXd step = -solve_symmetric(normal, gradient);
-    if (damping <= kFirstDamping && -step.dot(gradient) < decrement) {
+    Eigen::VectorXd step = -solve_symmetric(normal, gradient);
+    const double promised = -step.dot(gradient);
+    if (damping <= kFirstDamping && promised < decrement) {
       best.converged = true;
-      return;
+      return true;
     }
-    Residuals there = residuals;
-    Minimum next = full_at(there, best.z + step);
-    const double gain = best.chi2 - next.chi2;
-    if (gain > 0) {
-      best = std::move(next);
-      residuals = std::move(there);
-      damping = std::max(0.1 * damping, 1e-2 * kFirstDamping);
-      best.converged = gain < decrement;
-    } else {  // a kink of chi^2 can keep a descent from its last digits
-      best.converged = damping > kMostDamping;
-      damping *= 10;
+    // Steps that follow each other like a geometric series, as where residuals bend, are summed (Aitken).
+    const double ratio =
+        last.size() > 0 ? (jacobian * step).dot(jacobian * last) / (jacobian * last).squaredNorm() : 0;
+    const bool summed = ratio > kLeastRatio && ratio < kMostRatio;
+    last = step;
+    if (summed) {
+      step /= 1 - ratio;
+      last.resize(0);
     }
-    if (steps + 1 + kLately == most) lately = best.chi2;
+    Place next = full_at(place.residuals, best.z + step, laws);
+    const double gain = best.chi2 - next.minimum.chi2;
+    if (gain > 0) place = std::move(next);
+    // By how far what the linear problem promised was kept (Marquardt; Nielsen 1999).
+    if (gain > 0.75 * promised)
+      damping = std::max(0.1 * damping, kLeastDamping);
+    else if (!(gain > 0.25 * promised) && !summed)
+      damping *= gain > 0 ? 3 : 10;
+    if (!(gain > 0)) last.resize(0);
+    best.converged =
+        damping > kMostDamping || (gain > 0 ? gain < decrement : promised < std::max(decrement, kUnseen));
+    const bool full_step = damping <= kFirstDamping && gain > 0.25 * promised;
+    if (full_step || lately - best.chi2 > kLittle) lately = best.chi2, since = 0;
+    if (!best.converged && ++since > kPatience) {
+      best.converged = true;
+      return false;
+    }
   }
-  // Along kinks the last digits come slowly.
-  best.converged |= lately - best.chi2 < kLittle;
+  best.converged |= lately - best.chi2 < kNearMinimum;
+  return steps > 0;
+}
+
+/// The same until the laws add what they do where it ends; `gently`: they are kept meanwhile.
+void settle(Place& place, const MinimiseOptions& options, bool gently) {
+  constexpr int kMostTimes = 3;
+  constexpr double kSettled = 1e-9, kOff = 0.1;  ///< of chi^2
+  const Place start = place;
+  int steps = options.full_steps;
+  for (int k = 0; gently && k < kMostTimes; ++k) {
+    const bool smooth = descend(place, options, Residuals::Laws::kept, steps);
+    Place there = full_at(place.residuals, place.minimum.z, Residuals::Laws::anew);
+    const double off = std::abs(there.minimum.chi2 - place.minimum.chi2);
+    there.minimum.converged = place.minimum.converged;
+    if (!(off < kOff)) {
+      place = lower(there, start) ? there : start;
+      break;
+    }
+    place = std::move(there);
+    if (!smooth || newton_decrement(place.minimum.at) < std::max(options.decrement, kSettled)) return;
+    if (k + 1 == kMostTimes) return;
+    place.minimum.converged = false;
+  }
+  place.minimum.converged = false;
+  steps = options.full_steps;
+  descend(place, options, Residuals::Laws::anew, steps);
 }
 
 }  // namespace
 
 Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
   if (!residuals.linear_in_conditions()) return minimise(residuals, z, options);
-  constexpr int kMostTimes = 3;
-  constexpr double kKept = 0.01;  ///< of chi^2, of what the linear problem promised
+  constexpr int kMostTimes = 2;
+  constexpr double kKept = 0.01, kOff = 0.3;  ///< of chi^2, of what the linear problem promised
   constexpr double kRough = 0.01;
+  constexpr double kNear = 1;  ///< sd
   MinimiseOptions rough = options;
   rough.decrement = std::max(options.decrement, kRough);
-  struct Place {
-    Minimum minimum;
-    Residuals residuals;
-  };
-  const auto at = [&](const Eigen::VectorXd& here) {
-    Residuals there = residuals;
-    Minimum minimum = full_at(there, here);
-    return Place{std::move(minimum), std::move(there)};
-  };
-  const auto lower = [](const Place& a, const Place& b) { return a.minimum.chi2 < b.minimum.chi2; };
-  Place best = at(z);
+  rough.max_iterations = 40;
+  rough.patient = false;
   // Each minimum of the linear problem is where it is linearised next, lower or not: kinks are stepped over.
-  std::vector<Place> places;
-  bool kept = false;
+  std::vector<Place> places{full_at(residuals, z, Residuals::Laws::anew)};
+  bool kept = false, near = false;
   for (int k = 0; k < kMostTimes && !kept; ++k) {
-    const Residuals& from = places.empty() ? residuals : places.back().residuals;
-    const Minimum promised = minimise(from, places.empty() ? z : places.back().minimum.z, rough);
-    places.push_back(at(promised.z));
+    const Place& from = places.back();
+    const Minimum promised =
+        minimise(from.minimum.at.empty() ? residuals : from.residuals, from.minimum.z, rough);
+    const double one = std::max(1.0, kKept * promised.chi2);
+    places.push_back(full_at(residuals, promised.z, Residuals::Laws::anew));
+    const double off = std::abs(places.back().minimum.chi2 - promised.chi2);
+    near = off < kOff * one;
+    kept = off < kKept * one;
     if (places.back().minimum.at.empty()) break;
-    kept =
-        std::abs(places.back().minimum.chi2 - promised.chi2) < kKept * std::max(1.0, kKept * promised.chi2);
   }
-  places.push_back(best);
   std::ranges::stable_sort(places, lower);
-  best = places.front();
-  if (best.minimum.at.empty()) return best.minimum;
+  std::erase_if(places, [](const Place& place) { return place.minimum.at.empty(); });
+  if (places.empty()) return full_at(residuals, z, Residuals::Laws::anew).minimum;
+  Place& best = places.front();
+  settle(best, options, near);
   // Where promises are not kept the lowest place need not lead to the lowest minimum.
-  places.resize(
-      kept || options.full_steps < MinimiseOptions{}.full_steps ? 1 : std::min<std::size_t>(places.size(), 2),
-      best);
-  for (Place& place : places) {
-    if (place.minimum.at.empty()) continue;
-    descend(place.residuals, place.minimum, options);
-    if (!best.minimum.converged || lower(place, best)) best = place;
+  if (!kept && options.full_steps == MinimiseOptions{}.full_steps && places.size() > 1 &&
+      !(best.minimum.distance(residuals.unknowns(), places[1].minimum.z) < kNear * kNear)) {
+    settle(places[1], options, near);
+    if (!best.minimum.converged || lower(places[1], best)) std::swap(best, places[1]);
   }
   residuals = best.residuals;
   best.minimum.far_from_linear = !kept;

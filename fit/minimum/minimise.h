@@ -27,8 +27,8 @@ struct MinimiseOptions {
   /// is 1e-5 standard deviations from the minimum.
   double decrement = 1e-10;
   int max_iterations = 100;
-  int full_steps =
-      16;  ///< in the full model at most (minimise_linearised), whose every step costs tens of a linear one
+  bool patient = true;  ///< at a kink of chi^2: 8 steps that gain less than 1e-4 end it, else 4 of 0.01
+  int full_steps = 40;  ///< in the full model at most (minimise_linearised)
   const std::vector<Minimum>* known = nullptr;
   /// The evaluation at the start, where it was made before (same tolerance, scatter and weights).
   const Minimum* evaluated = nullptr;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "fit/minimum/screen.h"
 #include "fit/tools/stage_progress.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::size_t kTracks = 6;        ///< basins that a fit to tracks descends into at first
 constexpr double kRoughDecrement = 0.01;  ///< a tenth of a standard deviation
+constexpr std::size_t kRunsToSearch = 24;
 
 }  // namespace
 
@@ -37,8 +39,79 @@ Eigen::VectorXd fold_lag(const Unknowns& unknowns, Eigen::VectorXd z) {
   return z;
 }
 
+namespace {
+
+/// Distinct minima of residuals, and how many descents ended in each.
+class Minima {
+ public:
+  explicit Minima(const Residuals& residuals) : residuals_(residuals) {}
+
+  void keep(const Minimum& minimum, int descents = 1) {
+    if (!std::isfinite(minimum.chi2) || minimum.abandoned) return;
+    for (std::size_t i = 0; i < found_.size(); ++i)
+      if (same(residuals_.unknowns(), found_[i], minimum, residuals_.excess(found_[i].chi2))) {
+        hits_[i] += descents;
+        if (minimum.chi2 < found_[i].chi2 && !minimum.joined) found_[i] = linearised(residuals_, minimum);
+        return;
+      }
+    found_.push_back(linearised(residuals_, minimum));
+    hits_.push_back(descents);
+  }
+  /// From these places, in whose order they are kept.
+  void descend_from(const std::vector<Eigen::VectorXd>& places, int threads, Stage& told,
+                    const std::vector<int>& descents = {}) {
+    MinimiseOptions rough;
+    rough.decrement = kRoughDecrement;
+    const std::vector<Minimum> known = found_;
+    if (!known.empty()) rough.known = &known;
+    std::vector<Minimum> ends(places.size());
+    parallel_for(places.size(), threads, [&](std::size_t i) {
+      ends[i] = minimise(residuals_, places[i], rough);
+      told.done();
+    });
+    for (std::size_t i = 0; i < ends.size(); ++i) keep(ends[i], descents.empty() ? 1 : descents[i]);
+  }
+  bool rejected() const {
+    double lowest = HUGE_VAL;
+    for (const Minimum& known : found_) lowest = std::min(lowest, known.chi2);
+    return !(residuals_.p_value(lowest) >= kSurprise);
+  }
+  /// Best first. One in which pulses raise friction counts where there is no other.
+  void sort() {
+    std::vector<std::size_t> order(found_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return found_[a].chi2 < found_[b].chi2; });
+    const auto raises = [&](std::size_t i) { return !admissible(residuals_.unknowns(), found_[i].z); };
+    if (!std::all_of(order.begin(), order.end(), raises)) std::erase_if(order, raises);
+    std::vector<Minimum> found;
+    std::vector<int> hits;
+    for (const std::size_t i : order) {
+      found.push_back(found_[i]);
+      hits.push_back(hits_[i]);
+    }
+    found_ = std::move(found);
+    hits_ = std::move(hits);
+  }
+  const std::vector<Minimum>& found() const { return found_; }
+  const std::vector<int>& hits() const { return hits_; }
+
+ private:
+  const Residuals& residuals_;
+  std::vector<Minimum> found_;
+  std::vector<int> hits_;
+};
+
+/// So few summary runs that a fit to them is quick, the tracks, and what all share.
+Problem thinned(Problem problem) {
+  keep_representative(problem.summary_runs, kRunsToSearch);
+  return problem;
+}
+
+}  // namespace
+
 Search multi_start(const Residuals& residuals, const FitOptions& options) {
-  const auto& unknowns = residuals.unknowns();
+  const Unknowns& unknowns = residuals.unknowns();
   Residuals rough = residuals;
   rough.set_tolerance(residuals.tolerance_for(0.3, 1e-4));
   Search search;
@@ -58,64 +131,52 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   }
   if (starts.empty()) starts.push_back(unknowns.z(unknowns.first_guess()));
 
-  std::vector<int> hits;
-  const auto keep = [&](const Minimum& minimum) {
-    ++search.starts;
-    if (!std::isfinite(minimum.chi2) || minimum.abandoned) return;
-    for (std::size_t i = 0; i < search.minima.size(); ++i)
-      if (same(unknowns, search.minima[i], minimum, residuals.excess(search.minima[i].chi2))) {
-        ++hits[i];
-        if (minimum.chi2 < search.minima[i].chi2 && !minimum.joined)
-          search.minima[i] = linearised(rough, minimum);
-        return;
-      }
-    search.minima.push_back(linearised(rough, minimum));
-    hits.push_back(1);
-  };
-  // The most promising start finds the minimum that most others then join early.
+  // Where the valleys are a part of many runs tells.
+  const bool many = wanted > 1 && unknowns.problem().summary_runs.size() > kRunsToSearch;
+  const Problem few = many ? thinned(unknowns.problem()) : Problem{};
+  const std::optional<Unknowns> unknowns_of_few = many ? std::optional<Unknowns>(few) : std::nullopt;
+  std::optional<Residuals> residuals_of_few;
+  if (many) {
+    const Eigen::VectorXd guess = unknowns_of_few->first_guess();
+    residuals_of_few.emplace(*unknowns_of_few, options.threads);
+    residuals_of_few->set_tolerance(residuals.tolerance_for(0.3, 1e-4));
+    residuals_of_few->set_own_errors(guess);
+  }
+  Residuals& searched = many ? *residuals_of_few : rough;
   const std::size_t first = starts.size() > 1 && guessed ? 1 : 0;
-  MinimiseOptions descent;
-  descent.decrement = kRoughDecrement;
-  Stage stage(options, "starts", starts.size());
-  keep(minimise(rough, starts[first], descent));
-  stage.done();
-  starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(first));
-  const auto descend_from = [&](const std::vector<Eigen::VectorXd>& places, Stage& told) {
-    std::vector<Minimum> found(places.size());
-    const std::vector<Minimum> known = search.minima;
-    descent.known = known.empty() ? nullptr : &known;
-    parallel_for(places.size(), options.threads, [&](std::size_t i) {
-      found[i] = minimise(rough, places[i], descent);
-      told.done();
-    });
-    for (const Minimum& minimum : found) keep(minimum);
-  };
-  descend_from(starts, stage);
-  // While chi^2 rejects the best minimum, the next points are tried as well.
-  const auto surprising = [&] {
-    double lowest = HUGE_VAL;
-    for (const Minimum& known : search.minima) lowest = std::min(lowest, known.chi2);
-    return !(residuals.p_value(lowest) >= kSurprise);
-  };
-  Stage further(options, "further starts",
-                std::min(reserve.size(), wanted - std::min(wanted, starts.size() + 1)));
-  for (std::size_t k = 0; k < reserve.size() && search.starts < static_cast<int>(wanted) && surprising();
-       k += 2)
-    descend_from({reserve.begin() + static_cast<std::ptrdiff_t>(k),
-                  reserve.begin() + static_cast<std::ptrdiff_t>(std::min(k + 2, reserve.size()))},
-                 further);
+  if (!searched.linearise(unknowns.values(starts[first]))) searched.linearise(unknowns.first_guess());
+  Minima minima(searched);
 
-  std::vector<std::size_t> order(search.minima.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return search.minima[a].chi2 < search.minima[b].chi2;
-  });
-  const auto raises = [&](std::size_t i) { return !admissible(unknowns, search.minima[i].z); };
-  if (!std::all_of(order.begin(), order.end(), raises)) std::erase_if(order, raises);
-  std::vector<Minimum> sorted;
-  for (const std::size_t i : order) sorted.push_back(search.minima[i]);
-  if (!order.empty()) search.at_best = hits[order.front()];
-  search.minima = std::move(sorted);
+  // The most promising start finds the minimum that most others then join early.
+  Stage stage(options, "starts", starts.size());
+  minima.descend_from({starts[first]}, 1, stage);
+  search.starts = static_cast<int>(starts.size());
+  starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(first));
+  minima.descend_from(starts, options.threads, stage);
+  // While chi^2 rejects the best minimum, the next points are tried as well.
+  const auto left = static_cast<std::size_t>(std::max(0, options.multi_starts - search.starts));
+  reserve.resize(std::min(reserve.size(), left));
+  Stage further(options, "further starts", reserve.size());
+  for (std::size_t k = 0; k < reserve.size() && minima.rejected(); k += 2) {
+    const std::vector<Eigen::VectorXd> next(
+        reserve.begin() + static_cast<std::ptrdiff_t>(k),
+        reserve.begin() + static_cast<std::ptrdiff_t>(std::min(k + 2, reserve.size())));
+    minima.descend_from(next, options.threads, further);
+    search.starts += static_cast<int>(next.size());
+  }
+  minima.sort();
+  Minima of_all(rough);
+  if (many) {
+    std::vector<Eigen::VectorXd> places;
+    for (const Minimum& minimum : minima.found()) places.push_back(minimum.z);
+    if (!places.empty()) rough.linearise(unknowns.values(places.front()));
+    Stage refined(options, "minima", places.size());
+    of_all.descend_from(places, options.threads, refined, minima.hits());
+    of_all.sort();
+  }
+  const Minima& found = many ? of_all : minima;
+  search.minima = found.found();
+  if (!search.minima.empty()) search.at_best = found.hits().front();
   return search;
 }
 

@@ -18,8 +18,8 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr std::size_t kRunsLookedAt = 6;
-constexpr int kInLanes = 10000, kOneByOne = 1500, kFirst = 500, kSlides = 24;
+constexpr std::size_t kRunsLookedAt = 6, kFewRuns = 8;
+constexpr int kInLanes = 8000, kOneByOne = 2000, kFirst = 500, kSlides = 24;
 constexpr double kTolerance = 1e-4;  ///< of the velocity at each step: ends to better than 1 %
 /// Of a displacement: what the tolerance, and the rotation law beside the start from rest, may be off.
 constexpr double kAccuracy = 0.01;
@@ -125,14 +125,10 @@ std::vector<Look> looks(const Residuals& residuals) {
   }
   for (const auto& run : problem.trajectory_runs)
     if (const auto look = look_at(run)) all.push_back(*look);
-  std::vector<Look> chosen, rest;
-  for (const Look& look : all) {
-    const bool seen = std::any_of(chosen.begin(), chosen.end(),
-                                  [&](const Look& other) { return alike(look.scenario, other.scenario); });
-    (seen || chosen.size() == kRunsLookedAt ? rest : chosen).push_back(look);
-  }
-  const std::size_t more = std::min(rest.size(), kRunsLookedAt - chosen.size());
-  for (std::size_t i = 0; i < more; ++i) chosen.push_back(rest[i * rest.size() / more]);
+  std::vector<const model::Scenario*> scenarios;
+  for (const Look& look : all) scenarios.push_back(&look.scenario);
+  std::vector<Look> chosen;
+  for (const std::size_t i : representative(scenarios, kRunsLookedAt)) chosen.push_back(all[i]);
   return chosen;
 }
 
@@ -229,6 +225,55 @@ bool judge_all(const Unknowns& unknowns, const std::vector<Look>& looks, int thr
   return 2 * outcome.summary.in_lanes > outcome.summary.solutions;
 }
 
+/// Where points lie in their sample: from 0 to 1 along each axis. The lag was computed from the others: it is
+/// no axis. mu2 counts by its ratio to mu1.
+class Box {
+ public:
+  Box(const Unknowns& unknowns, const std::vector<ScreenedPoint>& points) : unknowns_(unknowns) {
+    for (Eigen::Index i = 0; i < unknowns.reported(); ++i)
+      if (unknowns.parameter(i) != FitParameter::lag && unknowns.parameter(i) != FitParameter::delay)
+        axes_.push_back(i);
+    low_.setConstant(dimension(), std::numeric_limits<double>::infinity());
+    high_ = -low_;
+    for (const ScreenedPoint& point : points) {
+      low_ = low_.cwiseMin(coordinates(point));
+      high_ = high_.cwiseMax(coordinates(point));
+    }
+  }
+  Eigen::Index dimension() const { return static_cast<Eigen::Index>(axes_.size()); }
+  Eigen::VectorXd place(const ScreenedPoint& point) const {
+    return (coordinates(point) - low_).cwiseQuotient((high_ - low_).cwiseMax(1e-12));
+  }
+  /// Of multi-level single linkage, with so many points.
+  double critical_distance(std::size_t points) const {
+    const auto n = static_cast<double>(points), d = static_cast<double>(dimension());
+    return std::pow(std::tgamma(1 + d / 2) * 4 * std::log(n) / n, 1 / d) / std::sqrt(std::numbers::pi);
+  }
+  bool sticks(const ScreenedPoint& point) const {
+    return unknowns_.value_of(FitParameter::mu1, unknowns_.values(point.z)) >
+           unknowns_.sliding_threshold().value_or(HUGE_VAL);
+  }
+
+ private:
+  Eigen::VectorXd coordinates(const ScreenedPoint& point) const {
+    const Eigen::VectorXd values = unknowns_.values(point.z);
+    Eigen::VectorXd result(dimension());
+    for (Eigen::Index k = 0; k < dimension(); ++k) {
+      const Eigen::Index i = axes_[static_cast<std::size_t>(k)];
+      const FitParameter parameter = unknowns_.parameter(i);
+      result(k) = parameter == FitParameter::mu1 ? std::log(values(i))
+                  : parameter == FitParameter::mu2
+                      ? std::log(values(i) / unknowns_.value_of(FitParameter::mu1, values))
+                      : values(i);
+    }
+    return result;
+  }
+
+  const Unknowns& unknowns_;
+  std::vector<Eigen::Index> axes_;
+  Eigen::VectorXd low_, high_;
+};
+
 /// Cells of the plane by which neighbours are found.
 class Neighbours {
  public:
@@ -257,12 +302,49 @@ class Neighbours {
 
 }  // namespace
 
+std::vector<std::size_t> representative(const std::vector<const model::Scenario*>& runs, std::size_t most) {
+  std::vector<std::size_t> chosen, rest;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const bool seen = std::ranges::any_of(chosen, [&](std::size_t k) { return alike(*runs[i], *runs[k]); });
+    (seen || chosen.size() == most ? rest : chosen).push_back(i);
+  }
+  const std::size_t more = std::min(rest.size(), most - chosen.size());
+  for (std::size_t i = 0; i < more; ++i) chosen.push_back(rest[i * rest.size() / more]);
+  return chosen;
+}
+
+void keep_representative(std::vector<SummaryRun>& runs, std::size_t most) {
+  if (runs.size() <= most) return;
+  std::vector<const model::Scenario*> scenarios;
+  for (const SummaryRun& run : runs) scenarios.push_back(&run.scenario);
+  std::vector<SummaryRun> kept;
+  for (const std::size_t i : representative(scenarios, most)) kept.push_back(runs[i]);
+  runs = std::move(kept);
+}
+
 double refinable(const Residuals& residuals) {
   constexpr double kOff = 0.15;
   double sum = 0;
   for (const Look& look : looks(residuals)) sum += (look.white * look.measured).squaredNorm();
   return kOff * kOff * sum;
 }
+
+namespace {
+
+std::size_t fitted_runs(const Problem& problem) {
+  return problem.trajectory_runs.size() + problem.summary_runs.size();
+}
+
+/// Basins that may lead to the lowest minimum.
+std::vector<ScreenedPoint> promising(const Unknowns& unknowns, const std::vector<ScreenedPoint>& points,
+                                     double near) {
+  std::vector<ScreenedPoint> bottoms = basins(unknowns, points);  // best first
+  if (!bottoms.empty())
+    std::erase_if(bottoms, [lowest = bottoms.front().chi2 + near](const auto& b) { return b.chi2 > lowest; });
+  return bottoms;
+}
+
+}  // namespace
 
 std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads) {
   const Unknowns& unknowns = residuals.unknowns();
@@ -291,53 +373,45 @@ std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads) {
     judged(points, kSlides);
     return points;
   }
-  const bool in_lanes = judged(points, kFirst);
-  judged(points, in_lanes ? kInLanes : kOneByOne);
+  const int most = judged(points, kFirst) ? kInLanes : kOneByOne;
+  const double near = refinable(residuals);
+  // Few runs leave more valleys, and narrower ones.
+  const int quiet = seen.size() < kRunsLookedAt || fitted_runs(unknowns.problem()) <= kFewRuns ? 2 : 1;
+  int since = 0;
+  for (auto known = promising(unknowns, points, near); static_cast<int>(points.size()) < most;) {
+    const std::size_t before = points.size();
+    judged(points, 2 * static_cast<int>(before));
+    auto now = promising(unknowns, points, near);
+    const Box all(unknowns, points);
+    const double critical = all.dimension() > 0 ? all.critical_distance(before) : 1;
+    if (std::ranges::all_of(now, [&](const ScreenedPoint& bottom) {
+          return std::ranges::any_of(known, [&](const ScreenedPoint& other) {
+            return all.sticks(bottom) == all.sticks(other) &&
+                   (all.place(bottom) - all.place(other)).norm() < critical;
+          });
+        })) {
+      if (++since == quiet) break;
+    } else {
+      since = 0;
+    }
+    known = std::move(now);
+  }
   return points;
 }
 
 std::vector<ScreenedPoint> basins(const Unknowns& unknowns, std::vector<ScreenedPoint> points) {
   std::erase_if(points, [](const ScreenedPoint& point) { return !std::isfinite(point.chi2); });
-  std::stable_sort(points.begin(), points.end(),
-                   [](const ScreenedPoint& a, const ScreenedPoint& b) { return a.chi2 < b.chi2; });
-  // The lag was computed from the others: it is no dimension of the sample. mu2 counts by its ratio to mu1.
-  std::vector<Eigen::Index> axes;
-  for (Eigen::Index i = 0; i < unknowns.reported(); ++i)
-    if (unknowns.parameter(i) != FitParameter::lag && unknowns.parameter(i) != FitParameter::delay)
-      axes.push_back(i);
-  if (axes.empty() || points.size() < 3) return points;
-  const auto d = static_cast<Eigen::Index>(axes.size());
-  const auto coordinates = [&](const ScreenedPoint& point) {
-    const Eigen::VectorXd values = unknowns.values(point.z);
-    Eigen::VectorXd place(d);
-    for (Eigen::Index k = 0; k < d; ++k) {
-      const Eigen::Index i = axes[static_cast<std::size_t>(k)];
-      const FitParameter parameter = unknowns.parameter(i);
-      place(k) = parameter == FitParameter::mu1 ? std::log(values(i))
-                 : parameter == FitParameter::mu2
-                     ? std::log(values(i) / unknowns.value_of(FitParameter::mu1, values))
-                     : values(i);
-    }
-    return place;
-  };
+  std::ranges::stable_sort(points, {}, &ScreenedPoint::chi2);
+  const Box box(unknowns, points);
+  if (box.dimension() == 0 || points.size() < 3) return points;
+  const double critical = box.critical_distance(points.size());
   std::vector<Eigen::VectorXd> places;
-  for (const ScreenedPoint& point : points) places.push_back(coordinates(point));
-  Eigen::VectorXd low = places.front(), high = low;
-  for (const auto& place : places) low = low.cwiseMin(place), high = high.cwiseMax(place);
-  for (auto& place : places) place = (place - low).cwiseQuotient((high - low).cwiseMax(1e-12));
-
-  const double n = static_cast<double>(points.size()), dimension = static_cast<double>(d);
-  const double critical = std::pow(std::tgamma(1 + dimension / 2) * 4 * std::log(n) / n, 1 / dimension) /
-                          std::sqrt(std::numbers::pi);
-  const auto sticks = [&](const ScreenedPoint& point) {
-    return unknowns.value_of(FitParameter::mu1, unknowns.values(point.z)) >
-           unknowns.sliding_threshold().value_or(HUGE_VAL);
-  };
+  for (const ScreenedPoint& point : points) places.push_back(box.place(point));
   Neighbours better(critical);
   std::vector<ScreenedPoint> bottoms;
   for (std::size_t k = 0; k < points.size(); ++k) {
     const bool near_a_better_one = better.any(places[k], [&](std::size_t other) {
-      return sticks(points[k]) == sticks(points[other]) &&
+      return box.sticks(points[k]) == box.sticks(points[other]) &&
              (places[k] - places[other]).squaredNorm() < critical * critical;
     });
     better.add(places[k], k);

@@ -33,7 +33,7 @@ model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values) 
   };
   return {.stribeck = of(FitParameter::stribeck),
           .viscous = of(FitParameter::viscous),
-          .rise = std::sqrt(std::max(0.0, of(FitParameter::gate_edges))) / unknowns.reference_frequency(),
+          .rise = std::sqrt(of(FitParameter::gate_edges)) / unknowns.reference_frequency(),
           .mu2_speed = of(FitParameter::mu2_speed),
           .static_friction = of(FitParameter::static_friction)};
 }
@@ -46,20 +46,21 @@ void add_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Sum
   const auto moved = [&](const model::RivalLaw& law) -> Eigen::Vector2d {
     return model::rival_displacement(applied.scenario, law, kTolerance) * applied.stretch / applied.scale;
   };
-  const Eigen::Vector2d without = moved({}), with = moved(law_at(unknowns, values));
-  by_laws = with - without;
+  // Edges that take a negative time undo what positive ones add, so that chi^2 has no kink at 0.
+  const auto edges = unknowns.find(FitParameter::gate_edges);
+  const bool undone = edges && values(*edges) < 0;
+  Eigen::VectorXd sharp = values, soft = values;
+  if (undone) sharp(*edges) = 0, soft(*edges) = -values(*edges);
+  const Eigen::Vector2d without_edges = moved(law_at(unknowns, sharp)),
+                        with = undone ? moved(law_at(unknowns, soft)) : without_edges;
+  if (law_at(unknowns, soft) != model::RivalLaw{}) by_laws = 2 * without_edges - with - moved({});
   for (const FitParameter law : kLaws) {
     const auto i = unknowns.find(law);
     if (!i) continue;
-    Eigen::VectorXd beside = values;
-    if (law == FitParameter::gate_edges) beside(*i) = std::max(0.0, beside(*i));
+    Eigen::VectorXd beside = i == edges ? soft : sharp;
     beside(*i) += step_of(law);
-    columns.col(*i) = (moved(law_at(unknowns, beside)) - with) / step_of(law);
+    columns.col(*i) = (moved(law_at(unknowns, beside)) - (i == edges ? with : without_edges)) / step_of(law);
   }
-}
-
-bool any_law(const Unknowns& unknowns) {
-  return std::ranges::any_of(kLaws, [&](FitParameter law) { return unknowns.find(law).has_value(); });
 }
 
 }  // namespace
@@ -108,20 +109,32 @@ ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen
 }
 
 std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                                           double tolerance, int threads) {
+                                           double tolerance, int threads, const LinearTerms* laws_of) {
   const Problem& problem = unknowns.problem();
   LinearTerms terms;
   terms.linear_ = linear_unknowns(unknowns, true);
-  terms.at_ = values(terms.linear_);
+  terms.values_ = values;
   terms.runs_.resize(problem.summary_runs.size());
-  const bool laws = any_law(unknowns);
+  std::vector<Eigen::Index> all, laws;
+  for (Eigen::Index i = 0; i < unknowns.common(); ++i) {
+    all.push_back(i);
+    if (std::ranges::count(kLaws, unknowns.parameter(i)) > 0) laws.push_back(i);
+  }
+  terms.laws_are_new_ = laws.empty() || laws_of == nullptr;
   try {
     parallel_for(terms.runs_.size(), threads, [&](std::size_t i) {
       const SummaryRun& data = problem.summary_runs[i];
       Run& run = terms.runs_[i];
-      Eigen::Matrix2Xd all = modelled_displacement(unknowns, values, data, terms.linear_, tolerance).jacobian;
-      if (laws) add_laws(unknowns, values, data, run.by_laws, all);
-      run.columns = all(Eigen::all, terms.linear_);
+      run.here = modelled_displacement(unknowns, values, data, all, tolerance);
+      if (!terms.laws_are_new_) {
+        const Run& known = laws_of->runs_[i];
+        const Eigen::Matrix2Xd columns = known.here.jacobian(Eigen::all, laws);
+        run.here.jacobian(Eigen::all, laws) = columns;
+        run.by_laws = known.by_laws + columns * (values - laws_of->values_)(laws);
+      } else if (!laws.empty()) {
+        add_laws(unknowns, values, data, run.by_laws, run.here.jacobian);
+      }
+      run.here.position += run.by_laws;
     });
   } catch (const model::InvalidParameter&) {
     return std::nullopt;
@@ -132,17 +145,16 @@ std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen
 }
 
 Eigen::VectorXd LinearTerms::held(Eigen::VectorXd values) const {
-  values(linear_) = at_;
+  values(linear_) = values_(linear_);
   return values;
 }
 
-Eigen::Vector2d LinearTerms::added(std::size_t index, const Eigen::VectorXd& values) const {
+void LinearTerms::add(std::size_t index, const Eigen::VectorXd& values,
+                      ModelledDisplacement& by_paper) const {
   const Run& run = runs_[index];
-  return run.by_laws + run.columns * (values(linear_) - at_);
-}
-
-void LinearTerms::put_derivatives(std::size_t index, Eigen::Ref<Eigen::Matrix2Xd> by_unknowns) const {
-  by_unknowns(Eigen::all, linear_) = runs_[index].columns;
+  const Eigen::Matrix2Xd columns = run.here.jacobian(Eigen::all, linear_);
+  by_paper.position += run.by_laws + columns * (values - values_)(linear_);
+  if (by_paper.jacobian.size() > 0) by_paper.jacobian(Eigen::all, linear_) = columns;
 }
 
 }  // namespace tribotrack::fit::internal

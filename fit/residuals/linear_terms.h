@@ -5,7 +5,8 @@
 //   x(theta, c) = x(theta, c_0) + D + sum_k C_k (c_k - c_0k),
 // C_k the derivatives by condition k - exact, or differences of an integration under the law - at (theta_0,
 // c_0), and D what the laws at c_0 add there. Where a descent ends it is linearised again, until it stays
-// (minimise_linearised): then x, its derivatives, and with them the minimum are those of the full model.
+// (minimise_linearised): then x, its derivatives, and with them the minimum are those of the full model. What
+// the laws add changes slowly with theta and costs most: near where it was found it may be kept.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,34 +17,40 @@
 
 namespace tribotrack::fit::internal {
 
-class LinearTerms {
- public:
-  /// Linearised at `values`: of the conditions among the unknowns; nullopt where the laws have no motion
-  /// there.
-  static std::optional<LinearTerms> at(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                                       double tolerance, int threads);
-
-  /// Values with conditions at c_0.
-  Eigen::VectorXd held(Eigen::VectorXd values) const;
-  /// D + sum C_k (c_k - c_0k) of a summary run, m.
-  Eigen::Vector2d added(std::size_t run, const Eigen::VectorXd& values) const;
-  /// The derivatives by the conditions, in place of whatever their columns hold.
-  void put_derivatives(std::size_t run, Eigen::Ref<Eigen::Matrix2Xd> by_unknowns) const;
-
- private:
-  struct Run {
-    Eigen::Vector2d by_laws = Eigen::Vector2d::Zero();  ///< D
-    Eigen::Matrix2Xd columns;                           ///< C
-  };
-  std::vector<Eigen::Index> linear_;  ///< conditions, among the unknowns
-  Eigen::VectorXd at_;                ///< c_0
-  std::vector<Run> runs_;
-};
-
 /// A summary run's displacement, and its derivatives by the unknowns that all runs share.
 struct ModelledDisplacement {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< m, in the picture (divided by the scale)
   Eigen::Matrix2Xd jacobian;                           ///< of those asked for; the others are 0
+};
+
+class LinearTerms {
+ public:
+  /// Linearised at `values`: of the conditions among the unknowns; nullopt where the laws have no motion
+  /// there. With `laws_of` the laws add what these have of them, linear in their strengths.
+  static std::optional<LinearTerms> at(const Unknowns& unknowns, const Eigen::VectorXd& values,
+                                       double tolerance, int threads, const LinearTerms* laws_of = nullptr);
+
+  /// (theta_0, c_0).
+  const Eigen::VectorXd& values() const { return values_; }
+  /// The laws add what they do at values(), not what was kept of another place.
+  bool laws_are_new() const { return laws_are_new_; }
+  /// At values(), by all unknowns.
+  const ModelledDisplacement& here(std::size_t run) const { return runs_[run].here; }
+  /// Values with conditions at c_0.
+  Eigen::VectorXd held(Eigen::VectorXd values) const;
+  /// Of the displacement by the paper's law, with conditions held, that of all: D + sum C_k (c_k - c_0k) is
+  /// added, and the derivatives by the conditions put in place of whatever their columns hold.
+  void add(std::size_t run, const Eigen::VectorXd& values, ModelledDisplacement& by_paper) const;
+
+ private:
+  struct Run {
+    ModelledDisplacement here;
+    Eigen::Vector2d by_laws = Eigen::Vector2d::Zero();  ///< D
+  };
+  std::vector<Eigen::Index> linear_;  ///< conditions, among the unknowns
+  Eigen::VectorXd values_;
+  bool laws_are_new_ = true;
+  std::vector<Run> runs_;
 };
 
 /// By the paper's law, with derivatives by `by`.

@@ -38,9 +38,11 @@ void Residuals::set_weights(const Weights& weights) {
   prepare();
 }
 
-bool Residuals::linearise(const Eigen::VectorXd& values) {
+bool Residuals::linearise(const Eigen::VectorXd& values, Laws laws) {
   if (problem_->summary_runs.empty() || linear_unknowns(*unknowns_, true).empty()) return true;
-  auto terms = LinearTerms::at(*unknowns_, values, tolerance_, threads_);
+  const bool keep = laws == Laws::kept && terms_;
+  if (terms_ && terms_->values() == values && (keep || terms_->laws_are_new())) return true;
+  auto terms = LinearTerms::at(*unknowns_, values, tolerance_, threads_, keep ? terms_.get() : nullptr);
   if (!terms) return false;
   terms_ = std::make_shared<const LinearTerms>(std::move(*terms));
   differentiated_ = linear_unknowns(*unknowns_, false);
@@ -123,10 +125,13 @@ double Residuals::excess(double chi2) const {
 }
 
 double Residuals::tolerance_for(double share, double coarsest) const {
+  // What the errors of many runs make of chi^2 grows with the root of their number.
+  constexpr double kFew = 16;
+  const double of_many = std::sqrt(std::max(1.0, static_cast<double>(problem_->summary_runs.size()) / kFew));
   std::vector<double> relative;
   for (const auto& run : problem_->summary_runs) {
     const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + excess_.runs();
-    relative.push_back(sigma / std::max(run.measured.vector.norm(), sigma));
+    relative.push_back(sigma / std::max(run.measured.vector.norm(), sigma) / of_many);
   }
   for (std::size_t i = 0; i < problem_->trajectory_runs.size(); ++i) {
     const auto& track = problem_->trajectory_runs[i].track;
@@ -238,14 +243,17 @@ void Residuals::summary(const Eigen::VectorXd& values, std::size_t index, bool d
   const SummaryRun& run = problem_->summary_runs[index];
   const auto row = 2 * static_cast<Eigen::Index>(index);
   const Factor2 factor(covariance(index));
-  ModelledDisplacement modelled =
-      modelled_displacement(*unknowns_, terms_ ? terms_->held(values) : values, run,
-                            derivatives ? differentiated_ : std::vector<Eigen::Index>{}, tolerance_);
-  if (terms_) modelled.position += terms_->added(index, values);
+  ModelledDisplacement modelled;
+  if (terms_ && terms_->values() == values) {
+    modelled = terms_->here(index);
+  } else {
+    modelled = modelled_displacement(*unknowns_, terms_ ? terms_->held(values) : values, run,
+                                     derivatives ? differentiated_ : std::vector<Eigen::Index>{}, tolerance_);
+    if (terms_) terms_->add(index, values, modelled);
+  }
   const double root = root_of_weight(index);
   group.residuals.segment<2>(row) = root * factor.whitened(run.measured.vector - modelled.position);
   if (!derivatives) return;
-  if (terms_) terms_->put_derivatives(index, modelled.jacobian);
   group.shared.middleRows(row, 2) = -root * factor.whiten_columns(modelled.jacobian);
 }
 

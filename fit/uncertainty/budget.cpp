@@ -119,7 +119,7 @@ class Sources {
       all.conditions.push_back({quantity, 1, ""});
     }
     const Unknowns wide(all);
-    const auto at = evaluated(wide, wide.values_of(unknowns_, unknowns_.values(best_.z)), true);
+    const auto at = evaluated(wide, wide.values_of(unknowns_, unknowns_.values(best_.z)));
     std::vector<BudgetEntry> entries;
     if (!at) return entries;
     for (const FitParameter quantity : exact) {
@@ -153,40 +153,19 @@ class Sources {
       entry.contribution = entry.sensitivity.cwiseAbs() * entry.sd;
       entries.push_back(entry);
     }
-    if (const auto start = other_start()) entries.push_back(*start);
     return entries;
   }
 
  private:
-  /// What it would change if runs that are said to start at rest had started in their steady motion.
-  std::optional<BudgetEntry> other_start() const {
-    Problem steady = problem_;
-    bool at_rest = false;
-    for (SummaryRun& run : steady.summary_runs)
-      if (run.scenario.start == model::Start::rest) run.scenario.start = model::Start::steady, at_rest = true;
-    const auto law = [&](FitParameter one) { return unknowns_.find(one).has_value(); };
-    if (!at_rest || !problem_.trajectory_runs.empty() || std::ranges::any_of(kLaws, law)) return std::nullopt;
-    const Unknowns unknowns(steady);
-    const auto at = evaluated(unknowns, unknowns_.values(best_.z), false);
-    if (!at) return std::nullopt;
-    BudgetEntry entry;
-    entry.source = "start: steady instead of rest";
-    entry.from = "as given";
-    entry.counted = false;
-    entry.contribution = (by_rows_[0] * (at->groups[0].residuals - best_.at.groups[0].residuals)).cwiseAbs();
-    return entry;
-  }
-
   /// The rows of another problem of the same runs, whitened as these.
-  std::optional<Linearised> evaluated(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                                      bool derivatives) const {
+  std::optional<Linearised> evaluated(const Unknowns& unknowns, const Eigen::VectorXd& values) const {
     Residuals rows(unknowns);
     rows.set_tolerance(1e-7);
     rows.set_excess_variance(residuals_.excess_variance());
     rows.set_weights(residuals_.weights());
     rows.set_own_errors(values);
     rows.linearise(values);
-    return rows.at(values, derivatives);
+    return rows.at(values);
   }
 
   Eigen::Index data_rows() const { return static_cast<Eigen::Index>(2 * problem_.summary_runs.size()); }

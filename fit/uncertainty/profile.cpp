@@ -40,7 +40,8 @@ MinimiseOptions held_at(Eigen::Index parameter) {
   MinimiseOptions options;
   options.held = parameter;
   options.decrement = 1e-3;
-  options.max_iterations = 30;
+  options.max_iterations = 15;
+  options.patient = false;
   return options;
 }
 
@@ -90,7 +91,7 @@ class OneSide {
     Point inside{inside_.z, height(inside_.chi2)};
     std::optional<Point> outside;
     double step = std::max(-inside.height, 0.1 * target) * sd_;
-    for (int i = 0; i < 25; ++i) {
+    for (int i = 0; i < kMostPoints; ++i) {
       const double here = place(inside.z(index_));
       double next = 0;
       if (outside) {  // regula falsi on sqrt(rise), kept off the ends
@@ -119,7 +120,7 @@ class OneSide {
         outside = *point;
       }
       if (outside &&
-          std::abs(place(outside->z(index_)) - place(inside.z(index_))) < 1e-6 * std::max(sd_, 1e-12))
+          std::abs(place(outside->z(index_)) - place(inside.z(index_))) < kNarrow * std::max(sd_, 1e-12))
         return point->z(index_);
     }
     return outside ? std::optional(from_place(0.5 * (place(inside.z(index_)) + place(outside->z(index_)))))
@@ -158,6 +159,9 @@ class OneSide {
     way = std::min(std::max(way, target * sd_), direction * (border - first));
     return from_place(first + direction * way);
   }
+
+  static constexpr int kMostPoints = 12;
+  static constexpr double kNarrow = 0.005;  ///< sd: kinks of chi^2 tell an end no better
 
   struct Point {
     Eigen::VectorXd z;
@@ -263,15 +267,18 @@ class ParameterProfile {
     const Transform& transform = unknowns_.transform(parameter);
     const Interval range = limits(unknowns_, name_, transform.value(best_.z(parameter)));
     limits_ = {transform.z(range.low), transform.z(range.high)};
+    // A valley in an interval already found that begins higher by 1 hardly reaches beyond it.
     for (const Minimum& minimum : minima)
-      if (minimum.chi2 < level_) follow(minimum);
+      if (minimum.chi2 < level_ && !(pieces_.holds(minimum.z(parameter)) && minimum.chi2 > best_.chi2 + 1))
+        follow(minimum);
   }
 
   /// Is there more, where no piece lies? The lowest point of the sample in each of a number of classes of the
-  /// parameter is where to look.
+  /// parameter is where to look, where the classes beside it are no lower.
   void look_between(const std::vector<ScreenedPoint>& sample) {
     const double rise = level_ - best_.chi2, near = refinable(residuals_);
     std::vector<const ScreenedPoint*> lowest_of(kClasses, nullptr);
+    std::vector<double> floor(kClasses, kInfinity);
     double low = kInfinity, high = -kInfinity, lowest = kInfinity;
     for (const ScreenedPoint& point : sample) {
       if (!std::isfinite(point.chi2)) continue;
@@ -281,15 +288,22 @@ class ParameterProfile {
     }
     if (!(high > low)) return;
     for (const ScreenedPoint& point : sample) {
-      if (!(point.chi2 < lowest + near) || pieces_.holds(point.z(index_))) continue;
+      if (!(point.chi2 < lowest + near)) continue;
       const double share = (point.z(index_) - low) / (high - low);
-      const ScreenedPoint*& here =
-          lowest_of[std::min(kClasses - 1, static_cast<std::size_t>(share * kClasses))];
+      const std::size_t k = std::min(kClasses - 1, static_cast<std::size_t>(share * kClasses));
+      floor[k] = std::min(floor[k], point.chi2);
+      if (pieces_.holds(point.z(index_))) continue;
+      const ScreenedPoint*& here = lowest_of[k];
       if (!here || point.chi2 < here->chi2) here = &point;
     }
-    for (const ScreenedPoint* here : lowest_of) {
+    for (std::size_t k = 0; k < kClasses; ++k) {
+      const ScreenedPoint* here = lowest_of[k];
       if (better || pieces_.open()) return;
-      if (!here || pieces_.holds(here->z(index_))) continue;
+      // The bottom of a valley lies no higher than what is beside it.
+      if (!here || here->chi2 > floor[k == 0 ? k : k - 1] ||
+          here->chi2 > floor[std::min(k + 1, kClasses - 1)])
+        continue;
+      if (pieces_.holds(here->z(index_))) continue;
       if (!promises(here->z, rise)) continue;
       const Minimum held = minimise(residuals_, here->z, held_at(index_));
       if (!(held.chi2 < level_) || !admissible(unknowns_, held.z)) continue;
@@ -391,7 +405,7 @@ std::vector<Profile> profiles(const Residuals& residuals, std::vector<Minimum>& 
     if (!better) return found;
     Residuals there = residuals;
     Minimum lower = linearised(there, minimise_linearised(there, better->better->z));
-    settled = restart == 3 || !(lower.chi2 < minima.front().chi2);
+    settled = restart == 2 || !(lower.chi2 < minima.front().chi2);
     if (settled) continue;
     minima.insert(minima.begin(), std::move(lower));
     there.set_tolerance(residuals.tolerance_for(0.01, 1e-6));

@@ -63,6 +63,15 @@ TEST_P(Causes, AreNamedAndTheValuesQuotedUnderThem) {
   EXPECT_GT(std::abs(result.as_assumed.at(FitParameter::mu1).estimate - GetParam().lab.mu1) +
                 std::abs(result.as_assumed.at(FitParameter::mu2).estimate - GetParam().lab.mu2),
             1e-5);
+  // mu against speed, as the law has it at rest and at the platform's speed.
+  const Laboratory& lab = GetParam().lab;
+  if (lab.stribeck == 0) return;
+  ASSERT_FALSE(result.mu_of_speed.empty());
+  const FrictionAtSpeed &slow = result.mu_of_speed.front(), &fast = result.mu_of_speed.back();
+  EXPECT_EQ(slow.speed, 0);
+  EXPECT_NEAR(slow.mu, lab.mu1 * (1 + lab.stribeck), 4 * slow.sd);
+  EXPECT_NEAR(fast.mu, lab.mu1, 4 * fast.sd);
+  EXPECT_LT(slow.sd, 0.1 * slow.mu);
 }
 
 INSTANTIATE_TEST_SUITE_P(Explanations, Causes,
