@@ -20,7 +20,7 @@ struct FirstPassResult {
   bool texture_seen = false;        ///< in the first frame there is a texture that would show it
   std::vector<double> theta;        ///< that rotation, rad, one per point; 0 where not ok
   std::vector<double> sigma_theta;  ///< its standard deviation; 0 where it was not measured
-  std::vector<bool> by_rim;  ///< the template was not confirmed: by the rim alone, theta as predicted
+  std::vector<bool> by_rim;         ///< the template was not confirmed: by the rim alone, theta as predicted
   std::vector<AuditFrame> audited;  ///< frames whose halves were compared, none measured by the rim
   std::vector<double> residual;     ///< grey levels rms, one per point; 0 where not ok
   double noise_variance = 0;
