@@ -297,7 +297,8 @@ const char* advice(const BudgetEntry& entry) {
   if (source == kSlides) return "film more slides";
   if (source == kSpin) return "mark the part so that its turning is seen, or start it without spin";
   if (source == kStartPhase) return "film more cycles of the marker before the part starts";
-  if (entry.quantity == to_string(FitParameter::scale)) return "measure the part's diameter better";
+  if (entry.quantity == to_string(FitParameter::scale))
+    return "measure the part's diameter and chamfer better, or give the scale by a tag or a calibration";
   if (entry.quantity == to_string(FitParameter::phase_reference))
     return "film a gate lamp (gate_px), or calibrate where the phase sensor fires";
   return "measure it better, or in more runs";
