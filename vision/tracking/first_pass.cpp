@@ -210,7 +210,7 @@ Track FirstPass::finish(TrackSummary& summary) {
   if (rim_shape_) summary.plan.push_back(rim_stage(std::ranges::count(result_.by_rim, true), summary.ok));
   if (options_.target.kind == Target::Kind::find_disc) {
     const auto still = stillness_warning(track_, summary.disc);
-    add(summary.warnings, still);
+    add(summary.warnings, still ? still : carried_warning(track_, summary.disc));
     summary.rests_for_ever = still.has_value();
     if (still) summary.gate_passed = false;
   }

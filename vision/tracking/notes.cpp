@@ -9,6 +9,11 @@
 #include "vision/track.h"
 
 namespace tribotrack::vision {
+namespace {
+
+constexpr double kStill = 0.5;  ///< px: noise and the search move a part at rest by less
+
+}  // namespace
 
 FrameCounts count(const Track& track, double max_lost_share) {
   FrameCounts counts;
@@ -157,24 +162,44 @@ std::optional<std::string> excess_warning(double excess, double noise) {
       excess, noise);
 }
 
-std::optional<std::string> stillness_warning(const Track& track, const Circle& disc) {
-  constexpr double kStill = 0.5;  // px
+namespace {
+
+/// Px across all places of the part, in the picture or against the marker; nothing for fewer than two.
+std::optional<double> range_of(const Track& track, bool against_marker) {
   double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
   std::int64_t seen = 0;
   for (const TrackPoint& p : track.points) {
-    if (p.status != TrackStatus::ok) continue;
+    if (p.status != TrackStatus::ok || (against_marker && !p.marker)) continue;
     ++seen;
-    left = std::min(left, p.x);
-    right = std::max(right, p.x);
-    top = std::min(top, p.y);
-    bottom = std::max(bottom, p.y);
+    const double x = against_marker ? p.x - p.marker->x : p.x, y = against_marker ? p.y - p.marker->y : p.y;
+    left = std::min(left, x);
+    right = std::max(right, x);
+    top = std::min(top, y);
+    bottom = std::max(bottom, y);
   }
-  const double range = std::hypot(right - left, bottom - top);
-  if (seen < 2 || range > kStill) return std::nullopt;
+  if (seen < 2) return std::nullopt;
+  return std::hypot(right - left, bottom - top);
+}
+
+}  // namespace
+
+std::optional<std::string> stillness_warning(const Track& track, const Circle& disc) {
+  const auto range = range_of(track, false);
+  if (!range || *range > kStill) return std::nullopt;
   return fmt::format(
       "the disc that was found at ({:.1f}, {:.1f}) px stays within {:.2f} px and is no moving part: give "
       "the part with --disc X,Y,R",
-      disc.x, disc.y, range);
+      disc.x, disc.y, *range);
+}
+
+std::optional<std::string> carried_warning(const Track& track, const Circle& disc) {
+  const auto range = range_of(track, true);
+  if (!range || *range > kStill) return std::nullopt;
+  return fmt::format(
+      "the disc that was found at ({:.1f}, {:.1f}) px goes where the ground goes, within {:.2f} px: the "
+      "part, "
+      "held by the platform, or something fixed to it? Give the part with --disc X,Y,R",
+      disc.x, disc.y, *range);
 }
 
 std::string alike_warning(std::int64_t frame) {
@@ -186,7 +211,6 @@ std::string alike_warning(std::int64_t frame) {
 }
 
 std::optional<std::string> without_a_mark(Track& track, std::size_t begin) {
-  constexpr double kStill = 0.5;  // px
   auto& points = track.points;
   const TrackPoint start = points[begin];
   std::size_t end = begin;

@@ -42,6 +42,8 @@ std::string texture_lost_warning(std::int64_t frames);
 std::optional<std::string> excess_warning(double excess, double noise);
 /// A disc that was found, not given, and never moves may be a mark on the table.
 std::optional<std::string> stillness_warning(const Track& track, const Circle& disc);
+/// One that goes where the ground or the mark goes may be fixed to it.
+std::optional<std::string> carried_warning(const Track& track, const Circle& disc);
 
 /// Which of several that look alike is the part cannot be told since this frame.
 std::string alike_warning(std::int64_t frame);

@@ -1,7 +1,10 @@
 // The plan is honest: an error bound only where somebody computed it, 0 only where leaving out is exact.
 #include "vision/tracking/notes.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "vision/layered_scenes.h"
 
@@ -68,6 +71,28 @@ TEST(AMarkOnTheGround, DoesNotReplaceAPartThatHasLeft) {
   EXPECT_EQ(count(still, 0.1).ok, 10);
   EXPECT_FALSE(without_a_mark(moving, 20));
   EXPECT_EQ(count(moving, 0.1).ok, 30);
+}
+
+/// A hand-held camera moves all of the picture.
+TEST(AFoundDisc, ThatGoesWhereTheGroundGoesIsQuestioned) {
+  Track track;
+  track.has_marker = true;
+  for (int k = 0; k < 40; ++k) {
+    const double sway = 12 * std::sin(0.2 * k);
+    TrackPoint p;
+    p.status = TrackStatus::ok;
+    p.x = 60 + sway + 0.05 * (k % 3);
+    p.y = 40;
+    p.marker = MarkerPoint{100 + sway, 30, 0.01, 1};
+    track.points.push_back(p);
+  }
+  const Circle disc{60, 40, 12};
+  EXPECT_EQ(stillness_warning(track, disc), std::nullopt);
+  EXPECT_THAT(carried_warning(track, disc).value_or(""), testing::HasSubstr("goes where the ground goes"));
+  track.points.back().x += 2;
+  EXPECT_EQ(carried_warning(track, disc), std::nullopt);
+  for (TrackPoint& p : track.points) p.marker.reset();
+  EXPECT_EQ(carried_warning(track, disc), std::nullopt);
 }
 
 }  // namespace
