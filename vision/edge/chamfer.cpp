@@ -43,11 +43,7 @@ std::optional<RimOptics> optics_of_mean(FrameSource& source, const std::vector<F
   }
   if (count == 0) return std::nullopt;
   for (float& m : mean) m /= static_cast<float>(count);
-  RaySamples rays = samples_of_mean(grid, mean, noise_variance, count);
-  // All sectors in one: the ring is the same all round, whatever its levels.
-  for (std::size_t j = 1; j < rays.covariances.size(); ++j) rays.covariances[0] += rays.covariances[j];
-  rays.covariances[0] /= static_cast<double>(rays.covariances.size());
-  rays.covariances.resize(1);
+  const RaySamples rays = samples_of_mean(grid, mean, noise_variance, count);
   return likeliest_optics(RayFields(grid, kCell), rays, rings(kWidest * radius, blur),
                           RayFields::Beside::chamfer);
 }

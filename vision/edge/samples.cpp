@@ -67,7 +67,11 @@ double cost_of(const RayFields& fields, const RimOptics& optics, const RaySample
 
 RaySamples samples_of_mean(const RayGrid& grid, const std::vector<float>& mean, double noise_variance,
                            std::size_t frames) {
-  return {mean_products(grid, mean, 1), noise_variance / static_cast<double>(frames) + kOfLevels};
+  RaySamples out{mean_products(grid, mean, 1), noise_variance / static_cast<double>(frames) + kOfLevels};
+  for (std::size_t j = 1; j < kSectors; ++j) out.covariances[0] += out.covariances[j];
+  out.covariances[0] /= kSectors;
+  out.covariances.resize(1);
+  return out;
 }
 
 std::vector<RaySamples> samples_of_bands(const RayGrid& grid, const std::vector<float>& levels,

@@ -14,11 +14,12 @@ inline constexpr std::size_t kSectors = 16;  ///< of the rim
 
 /// Of the mean picture or of a band.
 struct RaySamples {
-  std::vector<Eigen::MatrixXd> covariances;  ///< about the first ray of each sector
+  std::vector<Eigen::MatrixXd> covariances;  ///< about the first ray of each sector, or of all of them
   double noise_variance = 0;                 ///< grey levels^2
 };
 
-/// Of the rays of the mean of so many frames, each of that noise.
+/// Of the rays of the mean of so many frames, each of that noise: one covariance of all sectors, for the rim's
+/// optics are the same all round, whatever its levels.
 RaySamples samples_of_mean(const RayGrid& grid, const std::vector<float>& mean, double noise_variance,
                            std::size_t frames);
 
