@@ -5,7 +5,7 @@
 // platform at distance L from the lens's pupil is nearer by h, so mm_per_px at its top is (1 - h / L) of that
 // at the platform; the part's displacement relative to the platform needs both.
 //
-//   const Scale scale = scale_from_diameter(20.0, summary.disc.radius, summary.disc_radius_sd, 0.01);
+//   const Scale scale = scale_from_diameter(20.0, summary.outer_radius, summary.outer_radius_sd, 0.01);
 //   const PlaneGeometry geometry(scale, ScalePlane::part_top, Parallax{3.2, 450});
 //   for (const auto& point : place_track(track, geometry, 0))
 //     if (point) std::cout << point->mm.transpose() << " mm, sd " << std::sqrt(point->covariance(0, 0)) <<
@@ -24,11 +24,9 @@
 
 namespace tribotrack::vision {
 
-/// From the part's true diameter D and its radius R in the picture, that of the sharp disc before the blur of
-/// optics and pixels (fit_disc allows for what blur does to a curved rim):
+/// From the part's true diameter D and the radius R of its outer edge in the picture (edge/chamfer.h), that
+/// of the sharp disc before the blur of optics and pixels:
 ///   mm_per_px = D / (2 R),   (sd / mm_per_px)^2 = (sd(D) / D)^2 + (sd(R) / R)^2.
-/// A part whose own edge is rounded shows the radius at which its edge is half as bright: then that is what D
-/// must be measured to, with the uncertainty diameter_sd_mm.
 Scale scale_from_diameter(double diameter_mm, double radius_px, double radius_sd_px,
                           double diameter_sd_mm = 0);
 

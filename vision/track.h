@@ -161,8 +161,8 @@ struct TrackSummary : FrameCounts {
   double disc_blur = 0;  ///< s, Gaussian sd of its edge with the pixel in it, px; 0 where not measured
   /// Of the edge as seen, px, 0 where not measured.
   double disc_radius_sd = 0;
-  /// Of the outer edge, px: what lies beyond the edge as seen is a chamfer that may not show. 0 where the
-  /// edge is not measured. Part of the sd every recording of this part shares.
+  /// Of the outer edge, px: what lies beyond the edge as seen is a chamfer that may not show; the same as of
+  /// that where no edge confirmed it. Part of the sd every recording of this part shares.
   double outer_radius = 0, outer_radius_sd = 0, outer_radius_common_sd = 0;
   double chamfer = 0;             ///< px: its width where known or seen, else the widest that would not show
   bool chamfer_known = false;     ///< given, or seen

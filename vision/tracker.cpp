@@ -288,6 +288,8 @@ void Tracking::allow_for_coding() {
 void Tracking::measure_radius() {
   const auto running = clock_.enter(Stage::radius);
   TrackSummary& summary = result_.summary;
+  summary.outer_radius = summary.disc.radius;
+  summary.outer_radius_sd = summary.disc_radius_sd;
   if (!(summary.disc_blur > 0)) return;
   double common_sd = 0;
   if (const auto mean = first_pass_->radius()) {

@@ -145,6 +145,10 @@ CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd wit
   return camera;
 }
 
+bool can_be_chamfer(double chamfer, double diameter) {
+  return chamfer >= 0 && 2 * chamfer < diameter;
+}
+
 PartSection read_part(StrictTable& table, WithSd with_sd) {
   PartSection part;
   read_keys(table, part_keys(), part, {}, with_sd);
@@ -153,7 +157,7 @@ PartSection read_part(StrictTable& table, WithSd with_sd) {
   if (part.diameter_sd_mm > 0 && !part.diameter_mm)
     table.fail("diameter_sd_mm",
                "is the sd of `diameter_mm`, which is not given here: give both, or neither");
-  if (part.chamfer_mm && part.diameter_mm && !(2 * *part.chamfer_mm < *part.diameter_mm))
+  if (part.chamfer_mm && part.diameter_mm && !can_be_chamfer(*part.chamfer_mm, *part.diameter_mm))
     table.fail("chamfer_mm", "must be less than half of `diameter_mm`");
   table.finish();
   return part;

@@ -40,6 +40,9 @@ struct PartSection {
   Digits digits = {};                       ///< of what is given
 };
 
+/// Whether a part of that diameter can have a chamfer of that width, both in mm.
+bool can_be_chamfer(double chamfer, double diameter);
+
 struct CameraSection {
   std::optional<double> frame_rate_hz;
   std::string frame_rate_reason;  ///< how the user knows it

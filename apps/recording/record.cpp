@@ -9,16 +9,6 @@
 #include "vision/overlay.h"
 
 namespace tribotrack::apps {
-namespace {
-
-/// With its outer edge, where that is known.
-vision::Circle outer_disc(const vision::TrackSummary& summary) {
-  vision::Circle disc = summary.disc;
-  if (summary.outer_radius > 0) disc.radius = summary.outer_radius;
-  return disc;
-}
-
-}  // namespace
 
 Json summary_json(const Recording& recording) {
   const vision::TrackSummary& s = recording.result.summary;
@@ -33,12 +23,12 @@ Json summary_json(const Recording& recording) {
                {"left_for_good", s.left_for_good},
                {"gate_passed", s.gate_passed},
                {"rests_for_ever", s.rests_for_ever},
-               {"disc_px", circle_json(outer_disc(s))},
-               {"disc_radius_sd_px", s.outer_radius > 0 ? s.outer_radius_sd : s.disc_radius_sd},
+               {"disc_px", circle_json(vision::Circle{s.disc.x, s.disc.y, s.outer_radius})},
+               {"disc_radius_sd_px", s.outer_radius_sd},
                {"disc_radius_common_sd_px", s.outer_radius_common_sd},
-               {"edge_px", s.disc.radius},
+               {"edge_px", s.disc.radius > 0 ? Json(s.disc.radius) : Json()},
                {"edge_sd_px", s.disc_radius_sd},
-               {"R_px", outer_disc(s).radius},
+               {"R_px", s.outer_radius > 0 ? Json(s.outer_radius) : Json()},
                {"chamfer_px", s.chamfer_known ? Json(s.chamfer) : Json()},
                {"blur_px", s.disc_blur},
                {"slow_sd_px", s.slow_sd()},

@@ -132,7 +132,7 @@ void apply_scale(const TrackChoices& choices, Recording& recording) {
   }
   if (choices.chamfer_mm) {
     if (!recording.part.diameter_mm) throw UsageError("--chamfer-mm needs --disc-diameter-mm");
-    if (!(*choices.chamfer_mm >= 0 && 2 * *choices.chamfer_mm < *recording.part.diameter_mm))
+    if (!can_be_chamfer(*choices.chamfer_mm, *recording.part.diameter_mm))
       throw UsageError(fmt::format("--chamfer-mm {:g} must be less than the radius and not negative",
                                    *choices.chamfer_mm));
     recording.part.chamfer_mm = choices.chamfer_mm;

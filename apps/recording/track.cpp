@@ -44,18 +44,16 @@ std::optional<vision::PlaneGeometry> geometry_of(const Recording& recording, con
         vision::scale_from_tag(*recording.camera.tag_mm, *summary.tag, recording.camera.tag_mm_sd),
         vision::ScalePlane::platform, parallax);
   if (!recording.part.diameter_mm) return std::nullopt;
-  const bool outer = summary.outer_radius > 0;
   return vision::PlaneGeometry(
-      vision::scale_from_diameter(
-          *recording.part.diameter_mm, outer ? summary.outer_radius : summary.disc.radius,
-          outer ? summary.outer_radius_sd : summary.disc_radius_sd, recording.part.diameter_sd_mm),
+      vision::scale_from_diameter(*recording.part.diameter_mm, summary.outer_radius, summary.outer_radius_sd,
+                                  recording.part.diameter_sd_mm),
       vision::ScalePlane::part_top, parallax);
 }
 
 /// What the scale by the diameter rests on, or what a diameter beside another scale says of that.
 std::optional<std::string> diameter_warning(const Recording& recording, const vision::TrackSummary& summary) {
   const PartSection& part = recording.part;
-  if (!part.diameter_mm || !recording.scale || !(summary.outer_radius > 0)) return std::nullopt;
+  if (!part.diameter_mm || !recording.scale || !(summary.disc_blur > 0)) return std::nullopt;
   const double rim = summary.outer_radius_sd / summary.outer_radius;
   const bool by_diameter = !recording.camera.mm_per_px && !recording.camera.calibration &&
                            !(recording.camera.tag_mm && summary.tag);

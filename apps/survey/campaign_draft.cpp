@@ -319,6 +319,8 @@ std::vector<fs::path> recordings_in(const fs::path& folder) {
 
 CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptions& options,
                        const Context& context) {
+  CampaignDraft draft;
+  take_given(options, draft);
   std::vector<Look> looks(recordings.size());
   Progress progress("looking into recordings", context.quiet);
   std::atomic<std::int64_t> done = 0;
@@ -326,7 +328,6 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
     looks[k] = look_at(recordings[k], options.fps);
     progress.update(++done, static_cast<std::int64_t>(recordings.size()));
   });
-  CampaignDraft draft;
   std::vector<fs::path> readable;
   std::vector<std::string> names;
   std::vector<Look> usable;
@@ -368,7 +369,6 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
   place_drive(draft, usable, names);
   place_marks(draft, usable, guesses, options.marks_with_runs);
   place_frame_rate(draft, usable, guesses, options);
-  take_given(options, draft);
   if (!options.diameter_mm)
     draft.missing.insert(draft.missing.begin(),
                          "diameter_mm in [part] (or mm_per_px in [camera]): the scale");
@@ -376,6 +376,16 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
 }
 
 void take_given(const DraftOptions& options, CampaignDraft& draft) {
+  const auto require_positive = [](const char* flag, const std::optional<double>& value) {
+    if (value && !(*value > 0))
+      throw UsageError(fmt::format("{} must be greater than 0, not {:g}", flag, *value));
+  };
+  require_positive("--disc-diameter-mm", options.diameter_mm);
+  require_positive("--fps", options.fps);
+  if (options.chamfer_mm && !options.diameter_mm) throw UsageError("--chamfer-mm needs --disc-diameter-mm");
+  if (options.chamfer_mm && !can_be_chamfer(*options.chamfer_mm, *options.diameter_mm))
+    throw UsageError(
+        fmt::format("--chamfer-mm {:g} must be less than the radius and not negative", *options.chamfer_mm));
   const auto take = [&](const char* section, const char* key, const std::optional<double>& value) {
     if (value) draft.tables[section][key] = {fmt::format("{}", *value), "given"};
   };

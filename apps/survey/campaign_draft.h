@@ -29,7 +29,7 @@ struct CampaignDraft {
 };
 
 struct DraftOptions;
-/// What the user gives of the part and the frame rate, written into the draft.
+/// What the user gives of the part and the frame rate, written into the draft. Throws UsageError.
 void take_given(const DraftOptions& options, CampaignDraft& draft);
 
 /// Recordings directly in a folder: files with the name of a recording, and folders of pictures; by name.

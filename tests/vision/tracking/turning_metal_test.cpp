@@ -58,7 +58,7 @@ const PlanStage& edge_stage_of(const TrackResult& result) {
   throw std::logic_error("no such stage");
 }
 
-TEST(RimTrack, MetalThatTurnsIsFoundInEveryFrameBetterThanByACircleFit) {
+TEST(TurningMetal, IsFoundInEveryFrameBetterThanByACircleFit) {
   RenderedSource source = metal_that_turns();
   const TrackResult result = track(source, follow());
   ASSERT_EQ(result.summary.ok, kFrames);
@@ -84,7 +84,7 @@ TEST(RimTrack, MetalThatTurnsIsFoundInEveryFrameBetterThanByACircleFit) {
   EXPECT_LT(standardised, 1.6);
 }
 
-TEST(RimTrack, ALookAlikeIsNotTakenForMetalThatHasGone) {
+TEST(TurningMetal, ALookAlikeIsNotTakenForMetalThatHasGone) {
   RenderedSource source = metal_that_turns(true, 80);
   const TrackResult result = track(source, follow());
   for (const TrackPoint& p : result.track.points) {
