@@ -18,8 +18,8 @@ struct RaySamples {
   double noise_variance = 0;                 ///< grey levels^2
 };
 
-/// Of the rays of the mean of so many frames, each of that noise: one covariance of all sectors, for the rim's
-/// optics are the same all round, whatever its levels.
+/// Of the rays of the mean of so many frames, each of that noise: one covariance of all sectors, for the
+/// rim's optics are the same all round, whatever its levels.
 RaySamples samples_of_mean(const RayGrid& grid, const std::vector<float>& mean, double noise_variance,
                            std::size_t frames);
 
