@@ -15,16 +15,12 @@ TrackWhitening::TrackWhitening(const TrajectoryRun& run, std::size_t first, cons
   const double added = scatter.between_points * scatter.between_points + kFinestSigma * kFinestSigma;
   std::vector<Eigen::Matrix2d> own;
   std::vector<double> slow_share;
-  shaped_.resize(2 * static_cast<Eigen::Index>(track.time.size() - first),
-                 track.shared.empty() ? 0 : track.shared.front().cols());
   for (std::size_t i = first; i < track.time.size(); ++i) {
     const PointErrors errors = point_errors(track, i);
     times_.push_back(track.time[i] - track.time[first]);
     const double weight = weights.empty() ? 1 : weights[i - first];
     own.emplace_back((errors.own + added * Eigen::Matrix2d::Identity()) / weight);
     slow_share.push_back(errors.slow);
-    if (shaped_.cols() > 0)  // a matrix without columns has no storage that rows could be found in
-      shaped_.middleRows<2>(2 * static_cast<Eigen::Index>(i - first)) = errors.all;
   }
   noise_ = PointWhitening(times_, own, slow_share, track.slow, 1 / std::sqrt(scatter.correlation_time));
   white_ = noise_.shift();
@@ -34,21 +30,16 @@ TrackWhitening::TrackWhitening(const TrajectoryRun& run, std::size_t first, cons
     (is_common(part) ? shared : separate)[part] = variances[part] > 0;
   common_ = shapes(shared);
   const ErrorShapes found = shapes(separate);
-  const Eigen::Index told = shaped_.cols(), columns = 2 * static_cast<Eigen::Index>(found.count());
-  if (told + columns == 0) return;
-  sizes_ = Eigen::VectorXd::Ones(told + columns);
-  if (columns > 0) {
-    shaped_.conservativeResize(Eigen::NoChange, told + columns);
-    shaped_.rightCols(columns) = error_columns(found);
-    sizes_.tail(columns) = column_variances(found, variances).cwiseSqrt();
-  }
-  correlated_ = CorrelatedWhitening(whitened_columns(shaped_, noise_, start_), sizes_.cwiseAbs2());
+  if (found.count() == 0) return;
+  shaped_ = error_columns(found);
+  variances_ = column_variances(found, variances);
+  correlated_ = CorrelatedWhitening(whitened_columns(shaped_, noise_, start_), variances_);
 }
 
 Eigen::VectorXd TrackWhitening::drawn(const Eigen::VectorXd& numbers) const {
   Eigen::VectorXd errors = numbers.head(noise_.rows());
   noise_.colour(errors);
-  if (shaped_.cols() > 0) errors += shaped_ * sizes_.cwiseProduct(numbers.tail(shaped_.cols()));
+  if (shaped_.cols() > 0) errors += shaped_ * variances_.cwiseSqrt().cwiseProduct(numbers.tail(shaped_.cols()));
   return errors;
 }
 

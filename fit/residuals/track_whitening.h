@@ -1,9 +1,8 @@
 // The points of one track against a model of them: what its errors are, whitened.
 //
 // Errors of a track are those of single points and slow ones (PointWhitening), the unknown start point, and
-// errors with shapes over the whole track, told by the tracker or found in the residuals
-// (correlated_errors.h). The start point is linear: it is projected out, so that it costs no unknown and is
-// counted exactly.
+// errors with shapes over the whole track, found in the residuals (correlated_errors.h). The start point is
+// linear: it is projected out, so that it costs no unknown and is counted exactly.
 #pragma once
 
 #include <Eigen/Core>
@@ -71,8 +70,8 @@ class TrackWhitening {
   std::vector<double> times_;
   PointWhitening noise_;            ///< of single points, and slow
   Eigen::MatrixX2d white_, start_;  ///< behind it the start point's columns, and orthonormal ones
-  Eigen::MatrixXd shaped_;  ///< columns of its own errors with shapes, the told ones first, not whitened
-  Eigen::VectorXd sizes_;   ///< their sds
+  Eigen::MatrixXd shaped_;     ///< columns of its own errors with shapes, not whitened
+  Eigen::VectorXd variances_;  ///< theirs
   CorrelatedWhitening correlated_;  ///< of them
   ErrorShapes common_;
 };

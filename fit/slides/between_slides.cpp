@@ -116,7 +116,6 @@ void take_errors(const ShownErrors& shown, TrackTable& track) {
   const double variance = shown.own_sd * shown.own_sd + shown.slow.sd * shown.slow.sd;
   track.covariance.assign(track.time.size(), variance * Eigen::Matrix2d::Identity());
   track.slow = {shown.slow};
-  track.shared.clear();
 }
 
 namespace {
