@@ -171,21 +171,6 @@ void PointWhitening::apply(Eigen::Ref<Eigen::VectorXd> column) const {
   }
 }
 
-void PointWhitening::colour(Eigen::Ref<Eigen::VectorXd> column) const {
-  std::vector<Eigen::Vector2d> state(slow_, Eigen::Vector2d::Zero());
-  const Gain* gain = gains_.data();
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    auto here = column.segment<2>(2 * static_cast<Eigen::Index>(i));
-    const Eigen::Vector2d innovation = this->innovation(i, here);
-    here = innovation;
-    for (Eigen::Vector2d& x : state) {
-      here += points_[i].share * x;
-      x = gain->decay * x + gain->gain * innovation;
-      ++gain;
-    }
-  }
-}
-
 // The transpose of apply(), from the last point to the first: `moves` is how the sum goes with the state.
 void PointWhitening::take_own(Eigen::Ref<Eigen::VectorXd> column) const {
   if (slow_ == 0) return;

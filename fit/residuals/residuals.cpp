@@ -186,6 +186,12 @@ std::optional<Linearised> Residuals::at(const Eigen::VectorXd& values, bool deri
     all.own = jacobian.rightCols(jacobian.cols() - columns);
     result.groups = {std::move(shared), std::move(all)};
   }
+  for (std::size_t g = 0; g < shift_.size(); ++g) {
+    Eigen::VectorXd shift = shift_[g];
+    for (std::size_t i = 0; g == 0 && i < summaries; ++i)
+      shift.segment<2>(2 * static_cast<Eigen::Index>(i)) *= std::sqrt(weights_.of(i));
+    result.groups[g].residuals += shift;
+  }
   if (result.finite()) return result;
   failures_->add(values, "the modelled motion is not finite");
   return std::nullopt;

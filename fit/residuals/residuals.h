@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "fit/residuals/failed_evaluations.h"
@@ -64,6 +65,8 @@ class Residuals {
   void set_excess_variance(const ExcessVariance& excess);
   const Weights& weights() const { return weights_; }
   void set_weights(const Weights& weights);
+  /// Added to the residuals as they are without weights, group by group; empty: nothing is.
+  void set_shift(std::vector<Eigen::VectorXd> shift) { shift_ = std::move(shift); }
   /// What SummaryRun::own adds to the covariance of each run, linearised at these values; until then nothing.
   void set_own_errors(const Eigen::VectorXd& values);
   const Eigen::Matrix2d& own_error(std::size_t summary_run) const { return own_[summary_run]; }
@@ -132,6 +135,7 @@ class Residuals {
   std::vector<std::pair<Eigen::Index, Prior>> priors_;  ///< of what all runs share
   ExcessVariance excess_;
   Weights weights_;
+  std::vector<Eigen::VectorXd> shift_;
   std::vector<Eigen::Matrix2d> own_;  ///< m^2, of each summary run
   std::vector<std::size_t> first_point_;
   std::vector<std::shared_ptr<const TrackWhitening>> tracks_;

@@ -32,15 +32,8 @@ TrackWhitening::TrackWhitening(const TrajectoryRun& run, std::size_t first, cons
   const ErrorShapes found = shapes(separate);
   if (found.count() == 0) return;
   shaped_ = error_columns(found);
-  variances_ = column_variances(found, variances);
-  correlated_ = CorrelatedWhitening(whitened_columns(shaped_, noise_, start_), variances_);
-}
-
-Eigen::VectorXd TrackWhitening::drawn(const Eigen::VectorXd& numbers) const {
-  Eigen::VectorXd errors = numbers.head(noise_.rows());
-  noise_.colour(errors);
-  if (shaped_.cols() > 0) errors += shaped_ * variances_.cwiseSqrt().cwiseProduct(numbers.tail(shaped_.cols()));
-  return errors;
+  correlated_ =
+      CorrelatedWhitening(whitened_columns(shaped_, noise_, start_), column_variances(found, variances));
 }
 
 ErrorShapes TrackWhitening::shapes(const ErrorParts& wanted) const {

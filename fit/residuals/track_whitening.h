@@ -49,10 +49,6 @@ class TrackWhitening {
   Eigen::MatrixXd whitened(Eigen::MatrixXd columns) const;
   /// Of a sum g' V^(-1/2) y of whitened rows, g = `column`, in place: what it is of the points' own noise.
   void take_own(Eigen::Ref<Eigen::VectorXd> column) const;
-  /// Errors of all points as this covariance has them, two rows a point, out of so many independent numbers
-  /// of variance 1; without those that all runs share.
-  Eigen::VectorXd drawn(const Eigen::VectorXd& numbers) const;
-  Eigen::Index independent() const { return noise_.rows() + shaped_.cols(); }
   /// Shapes of correlated errors over the points; none for a free slide.
   ErrorShapes shapes(const ErrorParts& wanted) const;
   /// Of the errors with a variance, those that all runs share.
@@ -70,8 +66,7 @@ class TrackWhitening {
   std::vector<double> times_;
   PointWhitening noise_;            ///< of single points, and slow
   Eigen::MatrixX2d white_, start_;  ///< behind it the start point's columns, and orthonormal ones
-  Eigen::MatrixXd shaped_;     ///< columns of its own errors with shapes, not whitened
-  Eigen::VectorXd variances_;  ///< theirs
+  Eigen::MatrixXd shaped_;  ///< columns of its own errors with shapes, not whitened
   CorrelatedWhitening correlated_;  ///< of them
   ErrorShapes common_;
 };
