@@ -148,9 +148,9 @@ void Estimation::find_minimum() {
   residuals_.set_own_errors(unknowns_.first_guess());
   search_ = multi_start(residuals_, options_);
   if (search_.minima.empty()) {
-    const auto failures = residuals_.failures().kept();
-    throw DataError("The model cannot be evaluated at any start" +
-                    (failures.empty() ? "" : " (" + failures.front().reason + ")") +
+    std::string why;
+    residuals_.at(unknowns_.first_guess(), false, &why);
+    throw DataError("The model cannot be evaluated at any start" + (why.empty() ? "" : " (" + why + ")") +
                     ": check the drive and the first guesses ([fit.guess]).");
   }
   result_.starts_screened = static_cast<int>(search_.sample.size());
@@ -375,7 +375,6 @@ FitResult Estimation::report() {
   result.improve_first = improve_first(result.budget, result.parameters);
   result.systematics = taken_as_exact(result.budget, result.parameters);
   fill_minima(residuals_, minima_, result);
-  fill_failures(residuals_, best, result);
   if (!result.converged)
     result.warnings.push_back(
         "The fit did not converge: start nearer ([fit.guess]) or fit fewer parameters.");

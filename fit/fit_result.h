@@ -316,8 +316,6 @@ struct FitResult {
   int starts_screened = 0;         ///< points of the box looked at
   int starts = 0;                  ///< descents made
   int starts_at_best = 0;          ///< of them, those that ended in the minimum reported
-  /// Trial values at which the model has no motion. A warning where some lie within three sd of the minimum.
-  std::size_t failed_evaluations = 0;
   int bootstrap = 0;  ///< refits that converged
   unsigned bootstrap_seed = 0;
 

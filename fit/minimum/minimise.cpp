@@ -25,8 +25,7 @@ const char* solver() {
 namespace tribotrack::fit::internal {
 namespace {
 
-/// Ceres writes to standard error where an evaluation fails, silent or not; Residuals counts that and callers
-/// tell it in their own words.
+/// Ceres writes to standard error where an evaluation fails, silent or not.
 void quieten() {
   static const bool once = [] {
     FLAGS_minloglevel = google::GLOG_FATAL;

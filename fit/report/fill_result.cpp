@@ -153,26 +153,6 @@ void fill_minima(const Residuals& residuals, const std::vector<Minimum>& minima,
   }
 }
 
-void fill_failures(const Residuals& residuals, const Minimum& best, FitResult& result) {
-  result.failed_evaluations = residuals.failures().count();
-  const Eigen::VectorXd values = residuals.unknowns().values(best.z);
-  const double near = kNearMinimum * residuals.excess(best.chi2);
-  std::size_t count = 0;
-  double nearest = kInfinity;
-  std::string reason;
-  for (const auto& failure : residuals.failures().kept()) {
-    const double distance = best.at.squared(failure.values - values);
-    if (!(distance < near)) continue;
-    ++count;
-    if (distance < nearest) nearest = distance, reason = failure.reason;
-  }
-  if (count > 0)
-    result.warnings.push_back(fmt::format(
-        "The model could not be evaluated at {} of the values tried within three standard deviations "
-        "of the minimum ({}): intervals may end there too early.",
-        count, reason));
-}
-
 namespace {
 
 constexpr const char* kAxes[] = {"dx_mm", "dy_mm"};

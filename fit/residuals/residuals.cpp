@@ -143,7 +143,12 @@ double Residuals::tolerance_for(double share, double coarsest) const {
   return std::clamp(share * upper_median(relative), 1e-9, coarsest);
 }
 
-std::optional<Linearised> Residuals::at(const Eigen::VectorXd& values, bool derivatives) const {
+std::optional<Linearised> Residuals::at(const Eigen::VectorXd& values, bool derivatives,
+                                        std::string* why) const {
+  const auto none = [&](const std::string& reason) -> std::optional<Linearised> {
+    if (why) *why = reason;
+    return std::nullopt;
+  };
   Linearised result;
   result.groups.resize(1 + tracks_.size());
   RowGroup& shared = result.groups.front();
@@ -160,11 +165,9 @@ std::optional<Linearised> Residuals::at(const Eigen::VectorXd& values, bool deri
         result.groups[1 + i - summaries] = trajectory(values, i - summaries, derivatives);
     });
   } catch (const model::InvalidParameter& no_motion) {
-    failures_->add(values, no_motion.what());
-    return std::nullopt;
+    return none(no_motion.what());
   } catch (const model::StepLimitExceeded& no_end) {
-    failures_->add(values, no_end.what());
-    return std::nullopt;
+    return none(no_end.what());
   }
   auto row = static_cast<Eigen::Index>(2 * summaries);
   for (const auto& [unknown, prior] : priors_) {
@@ -193,8 +196,7 @@ std::optional<Linearised> Residuals::at(const Eigen::VectorXd& values, bool deri
     result.groups[g].residuals += shift;
   }
   if (result.finite()) return result;
-  failures_->add(values, "the modelled motion is not finite");
-  return std::nullopt;
+  return none("the modelled motion is not finite");
 }
 
 double Residuals::chi2(const Eigen::VectorXd& values) const {

@@ -11,10 +11,10 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
-#include "fit/residuals/failed_evaluations.h"
 #include "fit/residuals/linear_terms.h"
 #include "fit/residuals/linearised.h"
 #include "fit/residuals/point_model.h"
@@ -88,13 +88,11 @@ class Residuals {
   bool linearise(const Eigen::VectorXd& values, Laws laws = Laws::anew);
   bool linear_in_conditions() const { return terms_ != nullptr; }
 
-  /// nullopt, and recorded in failures(), where the model has no motion at these values (InvalidParameter,
-  /// StepLimitExceeded) or the residuals are not finite; any other exception passes. Derivatives are by
-  /// physical values.
-  std::optional<Linearised> at(const Eigen::VectorXd& values, bool derivatives = true) const;
+  /// nullopt, and `why`, where the model has no motion at these values (InvalidParameter, StepLimitExceeded) or
+  /// the residuals are not finite; any other exception passes. Derivatives are by physical values.
+  std::optional<Linearised> at(const Eigen::VectorXd& values, bool derivatives = true,
+                               std::string* why = nullptr) const;
   double chi2(const Eigen::VectorXd& values) const;  ///< infinity where at() has none
-  /// Of these residuals and all their copies.
-  const FailedEvaluations& failures() const { return *failures_; }
 
   const RowLayout& layout() const { return layout_; }
   /// Independent rows less unknowns (trajectory points divided by their correlation time).
@@ -142,7 +140,6 @@ class Residuals {
   RowLayout layout_;
   std::shared_ptr<const CorrelatedWhitening> common_;  ///< of all trajectory runs; null without
   double reference_time_ = 0;
-  std::shared_ptr<FailedEvaluations> failures_ = std::make_shared<FailedEvaluations>();
 };
 
 }  // namespace tribotrack::fit::internal
