@@ -196,7 +196,7 @@ void Estimation::add_scatter_of_replicates() {
   result_.scatter_from_replicates = options_.estimate_scatter && repeated.scatter > 0;
   if (!result_.scatter_from_replicates) return;
   ExcessVariance excess = residuals_.excess_variance();
-  excess.along = excess.across = repeated.scatter;
+  excess.runs = repeated.scatter;
   residuals_.set_excess_variance(excess);
   minimum_ = minimise(residuals_, minimum_.z);
 }

@@ -293,9 +293,7 @@ struct FitResult {
 
   // Errors beyond the data's own sigma, counted in the covariance.
   double scatter = 0;  ///< m, added in quadrature per axis; 0 where the residuals show none
-  /// m, between summary runs, along their displacements (v) and across (alpha): equal unless the residuals
-  /// show that they differ.
-  double scatter_along = 0, scatter_across = 0;
+  double scatter_between_runs = 0;       ///< m, of it between summary runs
   bool scatter_from_replicates = false;  ///< estimated from repeated runs: p_value still judges the model
   int replicate_dof = 0;                 ///< two for each repetition
   CorrelatedErrors correlated_errors;

@@ -343,8 +343,8 @@ void fields(Io& io, FitResult& fit) {
   io.derived("usable", fit.usable());
   io("scatter_dominates", fit.scatter_dominates);
   io.scaled("scatter_mm", fit.scatter, 1e3);
-  io("scatter_along_m", fit.scatter_along);
-  io("scatter_across_m", fit.scatter_across);
+  io("scatter_along_m", fit.scatter_between_runs);
+  io("scatter_across_m", fit.scatter_between_runs);
   std::optional<CorrelatedErrors> slow;
   if (fit.correlated_errors.time > 0) slow = fit.correlated_errors;
   io("slow_errors", slow);

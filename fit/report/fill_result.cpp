@@ -343,13 +343,6 @@ void fill_predictions(const Residuals& residuals, const Minimum& best, const Unc
 
 namespace {
 
-std::string scatter_text(const ExcessVariance& excess) {
-  return excess.along == excess.across
-             ? fmt::format("{} mm per axis", number(1e3 * excess.runs()))
-             : fmt::format("{} mm along (v) and {} mm across their displacement (alpha)",
-                           number(1e3 * excess.along), number(1e3 * excess.across));
-}
-
 double sd_of(const CorrelatedVariances& variances, ErrorPart part) {
   return std::sqrt(variances[static_cast<std::size_t>(part)]);
 }
@@ -366,9 +359,7 @@ double rms_of(const CorrelatedErrors& errors) {
 void fill_excess_variance(const Residuals& residuals, bool allowed, FitResult& result) {
   const Problem& problem = residuals.unknowns().problem();
   const ExcessVariance& excess = residuals.excess_variance();
-  result.scatter = excess.runs();
-  result.scatter_along = excess.along;
-  result.scatter_across = excess.across;
+  result.scatter = result.scatter_between_runs = excess.runs;
   for (const auto& run : excess.trajectories) result.scatter = std::max(result.scatter, run.between_points);
   if (!any(excess)) {
     result.covariance_meaning =
@@ -391,14 +382,14 @@ void fill_excess_variance(const Residuals& residuals, bool allowed, FitResult& r
       repeated ? "repeated runs" : "the residuals", robust_meaning(result.loss));
   if (repeated)
     result.warnings.push_back(fmt::format(
-        "Repeated runs scatter by {} more than their own sigma; with that the fit agrees with all "
+        "Repeated runs scatter by {} mm per axis more than their own sigma; with that the fit agrees with all "
         "runs.",
-        scatter_text(excess)));
-  else if (excess.runs() > 0 && result.p_value < kSurprise)
+        number(1e3 * excess.runs)));
+  else if (excess.runs > 0 && result.p_value < kSurprise)
     result.warnings.push_back(fmt::format(
-        "The runs scatter by {} more than their own sigma (chi2 {}, {}){}something in A, w, tilt "
+        "The runs scatter by {} mm per axis more than their own sigma (chi2 {}, {}){}something in A, w, tilt "
         "or the model is wrong.",
-        scatter_text(excess), number(result.chi2, 4), chance_text(result.p_value),
+        number(1e3 * excess.runs), number(result.chi2, 4), chance_text(result.p_value),
         result.replicate_dof >= 6 ? ", and by more than repeated runs do: " : ": real scatter, or "));
   for (std::size_t i = 0; i < excess.trajectories.size(); ++i)
     if (const auto& run = excess.trajectories[i]; run.between_points > 0)

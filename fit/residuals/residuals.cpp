@@ -130,7 +130,7 @@ double Residuals::tolerance_for(double share, double coarsest) const {
   const double of_many = std::sqrt(std::max(1.0, static_cast<double>(problem_->summary_runs.size()) / kFew));
   std::vector<double> relative;
   for (const auto& run : problem_->summary_runs) {
-    const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + excess_.runs();
+    const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + excess_.runs;
     relative.push_back(sigma / std::max(run.measured.vector.norm(), sigma) / of_many);
   }
   for (std::size_t i = 0; i < problem_->trajectory_runs.size(); ++i) {
@@ -205,14 +205,8 @@ double Residuals::chi2(const Eigen::VectorXd& values) const {
 }
 
 Eigen::Matrix2d Residuals::covariance(std::size_t index) const {
-  const Displacement& measured = problem_->summary_runs[index].measured;
-  const Eigen::Matrix2d known = measured.covariance + own_[index];
-  const double along = excess_.along * excess_.along, across = excess_.across * excess_.across;
-  const double length = measured.vector.norm();
-  if (!(length > 0))  // no direction
-    return known + std::max(along, across) * Eigen::Matrix2d::Identity();
-  const Eigen::Vector2d u = measured.vector / length;
-  return known + across * Eigen::Matrix2d::Identity() + (along - across) * u * u.transpose();
+  return problem_->summary_runs[index].measured.covariance + own_[index] +
+         excess_.runs * excess_.runs * Eigen::Matrix2d::Identity();
 }
 
 void Residuals::set_own_errors(const Eigen::VectorXd& values) {

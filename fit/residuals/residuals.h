@@ -25,8 +25,7 @@ namespace tribotrack::fit::internal {
 
 /// Errors beyond the data's own sigma.
 struct ExcessVariance {
-  double along = 0, across = 0;  ///< m, between summary runs: along the displacement (v) and across (alpha)
-  double runs() const { return std::max(along, across); }
+  double runs = 0;  ///< m per axis, between summary runs
   std::vector<PointScatter> trajectories;
   CorrelatedVariances correlated{};  ///< of driven trajectory runs, common to all
 };

@@ -38,8 +38,7 @@ double largest_change(const Weights& a, const Weights& b) {
 }
 
 bool unchanged(const ExcessVariance& was, const ExcessVariance& is) {
-  bool same = std::abs(is.along - was.along) <= 1e-3 * was.along &&
-              std::abs(is.across - was.across) <= 1e-3 * was.across;
+  bool same = std::abs(is.runs - was.runs) <= 1e-3 * was.runs;
   for (std::size_t i = 0; i < is.trajectories.size(); ++i)
     same = same && std::abs(is.trajectories[i].between_points - was.trajectories[i].between_points) <=
                        1e-2 * was.trajectories[i].between_points;
@@ -52,7 +51,7 @@ bool unchanged(const ExcessVariance& was, const ExcessVariance& is) {
 }  // namespace
 
 bool any(const ExcessVariance& scatter) {
-  return scatter.runs() > 0 || std::any_of(scatter.trajectories.begin(), scatter.trajectories.end(),
+  return scatter.runs > 0 || std::any_of(scatter.trajectories.begin(), scatter.trajectories.end(),
                                            [](const auto& run) { return run.between_points > 0; });
 }
 

@@ -1,6 +1,5 @@
 #include "fit/report/fill_result.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "fit/campaign.h"
