@@ -232,7 +232,7 @@ void Estimation::evaluate_curvature(const Minimum& minimum) {
   plain.set_weights({});
   const auto at = plain.at(values_);
   if (!at) throw DataError("The model cannot be evaluated at the minimum: check the drive.");
-  const double factor = robust_covariance_factor(residuals_, best_.at, options_.loss);
+  const double factor = robust_covariance_factor(residuals_, best_.at);
   uncertainty_ = uncertainty(unknowns_, values_,
                              at->scaled(Eigen::VectorXd::Constant(unknowns_.size(), 1 / std::sqrt(factor))));
 }
@@ -398,7 +398,6 @@ FitResult fit_alone(const Problem& problem, const FitOptions& options, bool scat
   quick.multi_starts = 1;
   quick.profiles = quick.next_experiment = false;
   quick.estimate_scatter = options.estimate_scatter && scatter;
-  quick.loss = options.loss;
   Estimation fit(problem, quick);
   fit.find_minimum();
   fit.test_residuals();
@@ -439,9 +438,11 @@ void set_course(Problem& problem) {
 
 }  // namespace
 
-FitResult estimate(const Problem& given, const FitOptions& options) {
-  options.validate();
+FitResult estimate(const Problem& given, const FitOptions& wanted) {
+  wanted.validate();
   given.validate();
+  FitOptions options = wanted;
+  if (given.summary_runs.empty()) options.loss = Loss::squares;
   Problem problem = given;
   set_course(problem);
   std::vector<SlideResult> slides = prepare_slides(problem);

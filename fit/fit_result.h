@@ -183,8 +183,8 @@ struct BudgetEntry {
   Eigen::VectorXd sensitivity;   ///< d parameter / d quantity, SI; empty for data
 };
 
-/// How strongly a run at a distance of s sigma may pull: squares as s, Huber as at most 2, Cauchy hardly.
-enum class Loss { squares, huber, cauchy };
+/// How strongly a displacement at a distance of s sigma may pull: squares as s, Huber as at most 2.
+enum class Loss { squares, huber };
 
 /// A minimum of chi^2.
 struct OneMinimum {

@@ -133,7 +133,7 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
       model_points(unknowns, applied, run.track.time, {!like.track.platform_frame, like.track.exposure},
                    tolerance, true, most_steps_);
   const Eigen::MatrixXd rows =
-      TrackWhitening(run, 0, {}, {}, residuals_.excess_variance().correlated, residuals_.reference_time())
+      TrackWhitening(run, 0, {}, residuals_.excess_variance().correlated, residuals_.reference_time())
           .whitened(points.jacobian);
   Eigen::MatrixXd information = rows.transpose() * rows;
   if (like.start_phase_sd > 0) {

@@ -33,11 +33,6 @@ void Residuals::set_excess_variance(const ExcessVariance& excess) {
   prepare();
 }
 
-void Residuals::set_weights(const Weights& weights) {
-  weights_ = weights;
-  prepare();
-}
-
 bool Residuals::linearise(const Eigen::VectorXd& values, Laws laws) {
   if (problem_->summary_runs.empty() || linear_unknowns(*unknowns_, true).empty()) return true;
   const bool keep = laws == Laws::kept && terms_;
@@ -52,8 +47,7 @@ bool Residuals::linearise(const Eigen::VectorXd& values, Laws laws) {
 void Residuals::prepare() {
   parallel_for(tracks_.size(), threads_, [&](std::size_t i) {
     tracks_[i] = std::make_shared<TrackWhitening>(
-        problem_->trajectory_runs[i], first_point_[i], excess_.trajectories[i],
-        weights_.points.empty() ? std::vector<double>{} : weights_.points[i], excess_.correlated,
+        problem_->trajectory_runs[i], first_point_[i], excess_.trajectories[i], excess_.correlated,
         reference_time_);
   });
   common_.reset();
@@ -192,7 +186,7 @@ std::optional<Linearised> Residuals::at(const Eigen::VectorXd& values, bool deri
   for (std::size_t g = 0; g < shift_.size(); ++g) {
     Eigen::VectorXd shift = shift_[g];
     for (std::size_t i = 0; g == 0 && i < summaries; ++i)
-      shift.segment<2>(2 * static_cast<Eigen::Index>(i)) *= std::sqrt(weights_.of(i));
+      shift.segment<2>(2 * static_cast<Eigen::Index>(i)) *= std::sqrt(weight(i));
     result.groups[g].residuals += shift;
   }
   if (result.finite()) return result;
@@ -237,7 +231,7 @@ Eigen::Matrix2Xd Residuals::derivatives(const Linearised& at, std::size_t index)
 
 double Residuals::root_of_weight(std::size_t index) const {
   constexpr double kHeldOut = 1e-6;
-  return problem_->summary_runs[index].held_out ? kHeldOut : std::sqrt(weights_.of(index));
+  return problem_->summary_runs[index].held_out ? kHeldOut : std::sqrt(weight(index));
 }
 
 void Residuals::summary(const Eigen::VectorXd& values, std::size_t index, bool derivatives,

@@ -1,7 +1,7 @@
 // All whitened residuals of a problem and their exact derivatives.
 //
 // Rows: two a summary run, L^-1 (measured - modelled / scale) with L L' the covariance; two a trajectory
-// point (track_whitening.h). Rows of data are multiplied by the root of their robust weight. One row a prior,
+// point (track_whitening.h). Rows of summary runs are multiplied by the root of their robust weight. One row a prior,
 // (value - mean)/sd. Group 0 holds summary runs and priors of what all runs share; then there is one group
 // for each trajectory run, its points and the priors of its own unknowns, or one for all trajectory runs
 // where they have correlated errors in common.
@@ -30,13 +30,6 @@ struct ExcessVariance {
   CorrelatedVariances correlated{};  ///< of driven trajectory runs, common to all
 };
 
-/// Weights of a robust loss. Empty: all are 1.
-struct Weights {
-  std::vector<double> runs;                 ///< summary runs
-  std::vector<std::vector<double>> points;  ///< trajectory runs
-  double of(std::size_t summary_run) const { return runs.empty() ? 1 : runs[summary_run]; }
-};
-
 /// Where rows and unknowns are.
 struct RowLayout {
   struct Group {
@@ -62,8 +55,10 @@ class Residuals {
   // What the residuals are whitened by.
   const ExcessVariance& excess_variance() const { return excess_; }
   void set_excess_variance(const ExcessVariance& excess);
-  const Weights& weights() const { return weights_; }
-  void set_weights(const Weights& weights);
+  /// Of summary runs, by a robust loss; empty: all are 1.
+  void set_weights(const std::vector<double>& weights) { weights_ = weights; }
+  const std::vector<double>& weights() const { return weights_; }
+  double weight(std::size_t summary_run) const { return weights_.empty() ? 1 : weights_[summary_run]; }
   /// Added to the residuals as they are without weights, group by group; empty: nothing is.
   void set_shift(std::vector<Eigen::VectorXd> shift) { shift_ = std::move(shift); }
   /// What SummaryRun::own adds to the covariance of each run, linearised at these values; until then nothing.
@@ -131,7 +126,7 @@ class Residuals {
   std::shared_ptr<const LinearTerms> terms_;  ///< null: none
   std::vector<std::pair<Eigen::Index, Prior>> priors_;  ///< of what all runs share
   ExcessVariance excess_;
-  Weights weights_;
+  std::vector<double> weights_;
   std::vector<Eigen::VectorXd> shift_;
   std::vector<Eigen::Matrix2d> own_;  ///< m^2, of each summary run
   std::vector<std::size_t> first_point_;

@@ -8,8 +8,7 @@
 namespace tribotrack::fit::internal {
 
 TrackWhitening::TrackWhitening(const TrajectoryRun& run, std::size_t first, const PointScatter& scatter,
-                               const std::vector<double>& weights, const CorrelatedVariances& variances,
-                               double reference_time)
+                               const CorrelatedVariances& variances, double reference_time)
     : run_(&run), first_(first), reference_time_(reference_time) {
   const TrackTable& track = run.track;
   const double added = scatter.between_points * scatter.between_points + kFinestSigma * kFinestSigma;
@@ -18,8 +17,7 @@ TrackWhitening::TrackWhitening(const TrajectoryRun& run, std::size_t first, cons
   for (std::size_t i = first; i < track.time.size(); ++i) {
     const PointErrors errors = point_errors(track, i);
     times_.push_back(track.time[i] - track.time[first]);
-    const double weight = weights.empty() ? 1 : weights[i - first];
-    own.emplace_back((errors.own + added * Eigen::Matrix2d::Identity()) / weight);
+    own.emplace_back(errors.own + added * Eigen::Matrix2d::Identity());
     slow_share.push_back(errors.slow);
   }
   noise_ = PointWhitening(times_, own, slow_share, track.slow, 1 / std::sqrt(scatter.correlation_time));

@@ -34,11 +34,10 @@ struct PointResiduals {
 
 class TrackWhitening {
  public:
-  /// Refers to the run. `first`: its first point used; `weights`: of a robust loss, a number for each point,
-  /// or empty; `variances`: of correlated errors, of driven runs alone; `reference_time`: theirs, s.
+  /// Refers to the run. `first`: its first point used; `variances`: of correlated errors, of driven runs alone;
+  /// `reference_time`: theirs, s.
   TrackWhitening(const TrajectoryRun& run, std::size_t first, const PointScatter& scatter,
-                 const std::vector<double>& weights, const CorrelatedVariances& variances,
-                 double reference_time);
+                 const CorrelatedVariances& variances, double reference_time);
 
   std::size_t first() const { return first_; }
   std::size_t points() const { return times_.size(); }

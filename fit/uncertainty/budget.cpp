@@ -196,7 +196,7 @@ class Sources {
       const Eigen::Matrix2d all = residuals_.covariance(i);
       // Rows are whitened by L^-1: to the parameters per metre of displacement.
       const Eigen::MatrixX2d by_metre =
-          std::sqrt(residuals_.weights().of(i)) *
+          std::sqrt(residuals_.weight(i)) *
           Factor2(all).by_upper(by_rows_[0].middleCols(row, 2).transpose()).transpose();
       const auto variance = [&](const Eigen::Matrix2d& covariance) {
         return Eigen::VectorXd((by_metre * covariance * by_metre.transpose()).diagonal());

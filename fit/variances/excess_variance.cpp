@@ -147,19 +147,10 @@ ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen:
     result.runs = runs.scatter_by_median(kMedianSquare * std::max(0.2, 1 - unknowns / data));
 
   const Eigen::VectorXd common = residuals.common_error(values);
-  for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
-    const TrajectoryRun& run = problem.trajectory_runs[i];
-    const PointResiduals here = residuals.points(values, i, common);
-    if (!robust) {
-      result.trajectories[i] = between_points(here, run.free_slide, result.trajectories[i]);
-      continue;
-    }
-    Deviations all;
-    for (std::size_t k = 0; k < here.row.size(); ++k)
-      all.add(here.residual[k],
-              run.track.covariance[here.row[k]] + kFinestSigma * kFinestSigma * Eigen::Matrix2d::Identity());
-    result.trajectories[i].between_points = all.scatter_by_median(kMedianSquare);
-  }
+  for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
+    result.trajectories[i] =
+        between_points(residuals.points(values, i, common), problem.trajectory_runs[i].free_slide,
+                       result.trajectories[i]);
   return result;
 }
 

@@ -11,7 +11,7 @@ namespace tribotrack::fit::internal {
 /// correlation time of its residuals (neighbouring points share their error: their number overstates their
 /// information). Zero where chi^2 does not require it: p >= 0.001 of points; p >= 0.05 of runs, whose
 /// correlated tracking errors may be as large as their own sigma, which so few cannot show. With a robust
-/// loss the same by the median distance, which a minority of outliers cannot move.
+/// loss that of the runs by the median distance, which a minority of outliers cannot move.
 ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
                                         const Linearised& at, Loss loss = Loss::squares);
 

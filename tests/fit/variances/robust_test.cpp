@@ -31,12 +31,10 @@ FitOptions quick() {
   return options;
 }
 
-TEST(Robust, WeightsAreThoseOfTheLosses) {
+TEST(Robust, WeightsAreThoseOfTheLoss) {
   using internal::robust_weight;
-  EXPECT_EQ(robust_weight(1.9, Loss::huber), 1);
-  EXPECT_DOUBLE_EQ(robust_weight(8, Loss::huber), 0.25);
-  EXPECT_DOUBLE_EQ(robust_weight(3, Loss::cauchy), 0.5);
-  EXPECT_EQ(robust_weight(50, Loss::squares), 1);
+  EXPECT_EQ(robust_weight(1.9), 1);
+  EXPECT_DOUBLE_EQ(robust_weight(8), 0.25);
 }
 
 TEST(Robust, OneBadRunDoesNotPull) {
@@ -54,21 +52,19 @@ TEST(Robust, OneBadRunDoesNotPull) {
       std::abs(squares.as_assumed.at(FitParameter::mu1).estimate - reference.value(FitParameter::mu1));
   EXPECT_THAT(squares.quoted_under, testing::ElementsAre(HasSubstr("contradicts the others")));
   EXPECT_LT(std::abs(squares.value(FitParameter::mu1) - reference.value(FitParameter::mu1)), 0.35 * pulled);
-  for (const Loss loss : {Loss::huber, Loss::cauchy}) {
-    options.loss = loss;
-    const FitResult robust = estimate(bad, options);
-    EXPECT_TRUE(robust.usable());
-    EXPECT_THAT(robust.covariance_meaning, HasSubstr(loss == Loss::huber ? "Huber" : "Cauchy"));
-    EXPECT_THAT(robust.covariance_meaning, HasSubstr("profile likelihood has no meaning"));
-    const double moved = std::abs(robust.value(FitParameter::mu1) - reference.value(FitParameter::mu1));
-    EXPECT_LT(moved, 0.35 * pulled);
-    for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_GT(robust.parameters[i].sd, 0.6 * reference.parameters[i].sd);
-      EXPECT_LT(robust.parameters[i].sd, 2.5 * reference.parameters[i].sd);
-    }
-    ASSERT_EQ(robust.outliers.size(), 1U);
-    EXPECT_EQ(robust.outliers[0].run, bad.summary_runs[4].name);
+  options.loss = Loss::huber;
+  const FitResult robust = estimate(bad, options);
+  EXPECT_TRUE(robust.usable());
+  EXPECT_THAT(robust.covariance_meaning, HasSubstr("Huber"));
+  EXPECT_THAT(robust.covariance_meaning, HasSubstr("profile likelihood has no meaning"));
+  const double moved = std::abs(robust.value(FitParameter::mu1) - reference.value(FitParameter::mu1));
+  EXPECT_LT(moved, 0.35 * pulled);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_GT(robust.parameters[i].sd, 0.6 * reference.parameters[i].sd);
+    EXPECT_LT(robust.parameters[i].sd, 2.5 * reference.parameters[i].sd);
   }
+  ASSERT_EQ(robust.outliers.size(), 1U);
+  EXPECT_EQ(robust.outliers[0].run, bad.summary_runs[4].name);
 }
 
 // Good data: a robust loss costs little, and its intervals still hold at their rate (binomial, 80 tries).
