@@ -197,17 +197,12 @@ struct OneMinimum {
 /// deviations per axis, m, estimated from the residuals beside the points' own noise (restricted maximum
 /// likelihood). 0 where the residuals show none.
 struct CorrelatedErrors {
-  double drift =
-      0;  ///< of a straight drift over `time`: each run's own and the one all share along their ways
-  double walk = 0;              ///< of a Brownian walk over `time`
-  double circle = 0;            ///< of each of cos wt and sin wt
-  double overtones = 0;         ///< of each of cos and sin of 2wt and 3wt
-  double common_circle = 0;     ///< as circle, but one error that all runs share
-  double common_overtones = 0;  ///< as overtones, likewise
-  double time = 0;              ///< s, of the longest run; 0 where no driven track was fitted
-  bool any() const {
-    return drift > 0 || walk > 0 || circle > 0 || overtones > 0 || common_circle > 0 || common_overtones > 0;
-  }
+  double drift = 0;      ///< of a straight drift over `time`
+  double walk = 0;       ///< of a Brownian walk over `time`
+  double circle = 0;     ///< of each of cos wt and sin wt
+  double overtones = 0;  ///< of each of cos and sin of 2wt and 3wt
+  double time = 0;       ///< s, of the longest run; 0 where no driven track was fitted
+  bool any() const { return drift > 0 || walk > 0 || circle > 0 || overtones > 0; }
 };
 
 /// A blow or collision seen in the track of a free slide.

@@ -60,8 +60,7 @@ void fields(Io& io, CorrelatedErrors& e) {
   io.scaled("walk_mm", e.walk, 1e3);
   io.scaled("circle_mm", e.circle, 1e3);
   io.scaled("overtones_mm", e.overtones, 1e3);
-  io.scaled("common_circle_mm", e.common_circle, 1e3);
-  io.scaled("common_overtones_mm", e.common_overtones, 1e3);
+  for (const char* common : {"common_circle_mm", "common_overtones_mm"}) io.derived(common, 0.0);
 }
 
 template <class Io>

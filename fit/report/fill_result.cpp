@@ -350,8 +350,7 @@ double sd_of(const CorrelatedVariances& variances, ErrorPart part) {
 /// Rms about the mean of a run; a sine's two coefficients add up to one variance.
 double rms_of(const CorrelatedErrors& errors) {
   return std::sqrt(errors.drift * errors.drift / 12 + errors.walk * errors.walk / 6 +
-                   std::pow(std::hypot(errors.circle, errors.common_circle), 2) +
-                   2 * std::pow(std::hypot(errors.overtones, errors.common_overtones), 2));
+                   errors.circle * errors.circle + 2 * errors.overtones * errors.overtones);
 }
 
 }  // namespace
@@ -404,27 +403,20 @@ void fill_correlated_errors(const Residuals& residuals, FitResult& result) {
   const CorrelatedVariances& variances = residuals.excess_variance().correlated;
   CorrelatedErrors& errors = result.correlated_errors;
   errors.time = residuals.reference_time();
-  const double own_drift = sd_of(variances, ErrorPart::drift),
-               common_drift = sd_of(variances, ErrorPart::common_drift);
-  errors.drift = std::hypot(own_drift, common_drift);
+  errors.drift = sd_of(variances, ErrorPart::drift);
   errors.walk = sd_of(variances, ErrorPart::walk);
   errors.circle = sd_of(variances, ErrorPart::circle);
   errors.overtones = sd_of(variances, ErrorPart::overtones);
-  errors.common_circle = sd_of(variances, ErrorPart::common_circle);
-  errors.common_overtones = sd_of(variances, ErrorPart::common_overtones);
   if (!errors.any()) return;
   std::string parts;
   const auto add = [&](double size, const std::string& what) {
     if (size > 0) parts += fmt::format("{}{} um {}", parts.empty() ? "" : ", ", number(1e6 * size, 2), what);
   };
   const std::string over = " over " + number(errors.time, 2) + " s";
-  add(own_drift, "of straight drift" + over);
+  add(errors.drift, "of straight drift" + over);
   add(errors.walk, "of Brownian walk" + over);
   add(errors.circle, "at the platform's frequency");
   add(errors.overtones, "at its second and third multiple");
-  add(errors.common_circle, "at the platform's frequency, the same in all runs");
-  add(errors.common_overtones, "at its second and third multiple, the same in all runs");
-  add(common_drift, "of straight drift" + over + " along and across the displacement, the same in all runs");
   if (result.p_value < kSurprise) {
     const double rms = rms_of(errors);
     result.scatter = std::max(result.scatter, rms);
@@ -434,8 +426,8 @@ void fill_correlated_errors(const Residuals& residuals, FitResult& result) {
                     number(1e3 * rms), chance_text(result.p_value)));
   }
   result.covariance_meaning += fmt::format(
-      " It counts correlated errors of the points of a track, independent between runs unless "
-      "stated, of one size estimated from all tracks by restricted maximum likelihood (sd per axis: "
+      " It counts correlated errors of the points of a track, independent between runs, "
+      "of one size estimated from all tracks by restricted maximum likelihood (sd per axis: "
       "{}); the intervals count its uncertainty (Student's t by Satterthwaite).",
       parts);
 }

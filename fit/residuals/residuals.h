@@ -3,8 +3,7 @@
 // Rows: two a summary run, L^-1 (measured - modelled / scale) with L L' the covariance; two a trajectory
 // point (track_whitening.h). Rows of summary runs are multiplied by the root of their robust weight. One row a prior,
 // (value - mean)/sd. Group 0 holds summary runs and priors of what all runs share; then there is one group
-// for each trajectory run, its points and the priors of its own unknowns, or one for all trajectory runs
-// where they have correlated errors in common.
+// for each trajectory run, its points and the priors of its own unknowns.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,19 +29,13 @@ struct ExcessVariance {
   CorrelatedVariances correlated{};  ///< of driven trajectory runs, common to all
 };
 
-/// Where rows and unknowns are.
+/// Where rows and unknowns are: the group of summary runs and shared priors, then one of each trajectory run.
 struct RowLayout {
   struct Group {
-    Eigen::Index rows = 0;
-    Range own;  ///< unknowns of its runs alone
-  };
-  /// The points of a trajectory run, the priors of its own unknowns behind them.
-  struct Place {
-    std::size_t group = 0;
-    Eigen::Index row = 0, points = 0, rows = 0;  ///< the first; of points; with the priors
+    Eigen::Index data = 0, rows = 0;  ///< rows of data; with the priors behind them
+    Range own;                        ///< unknowns of its run alone
   };
   std::vector<Group> groups;
-  std::vector<Place> tracks;
   Eigen::Index rows() const;  ///< of all groups
 };
 
@@ -102,14 +95,7 @@ class Residuals {
   /// share.
   Eigen::Vector2d difference(const Linearised& at, std::size_t summary_run) const;
   Eigen::Matrix2Xd derivatives(const Linearised& at, std::size_t summary_run) const;
-  /// `common` is common_error() of the same values; without it PointResiduals::correlated holds the run's
-  /// own.
-  PointResiduals points(const Eigen::VectorXd& values, std::size_t trajectory_run,
-                        const Eigen::VectorXd& common = {}) const;
-  /// Expected errors that all runs share: coefficients of their common shapes, m. Empty without such errors.
-  Eigen::VectorXd common_error(const Eigen::VectorXd& values) const;
-  /// Of sums over whitened rows of a group: what they are of the points' own noise, in place.
-  void take_own_noise(std::size_t group, Eigen::Ref<Eigen::VectorXd> column) const;
+  PointResiduals points(const Eigen::VectorXd& values, std::size_t trajectory_run) const;
 
  private:
   double root_of_weight(std::size_t summary_run) const;
@@ -132,7 +118,6 @@ class Residuals {
   std::vector<std::size_t> first_point_;
   std::vector<std::shared_ptr<const TrackWhitening>> tracks_;
   RowLayout layout_;
-  std::shared_ptr<const CorrelatedWhitening> common_;  ///< of all trajectory runs; null without
   double reference_time_ = 0;
 };
 

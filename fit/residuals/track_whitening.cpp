@@ -23,11 +23,9 @@ TrackWhitening::TrackWhitening(const TrajectoryRun& run, std::size_t first, cons
   noise_ = PointWhitening(times_, own, slow_share, track.slow, 1 / std::sqrt(scatter.correlation_time));
   white_ = noise_.shift();
   start_ = orthonormal(white_);
-  ErrorParts separate{}, shared{};
-  for (std::size_t part = 0; part < kErrorParts; ++part)
-    (is_common(part) ? shared : separate)[part] = variances[part] > 0;
-  common_ = shapes(shared);
-  const ErrorShapes found = shapes(separate);
+  ErrorParts present{};
+  for (std::size_t part = 0; part < kErrorParts; ++part) present[part] = variances[part] > 0;
+  const ErrorShapes found = shapes(present);
   if (found.count() == 0) return;
   shaped_ = error_columns(found);
   correlated_ =
@@ -37,10 +35,7 @@ TrackWhitening::TrackWhitening(const TrajectoryRun& run, std::size_t first, cons
 ErrorShapes TrackWhitening::shapes(const ErrorParts& wanted) const {
   if (run_->free_slide || wanted == ErrorParts{}) return {};
   const double w = run_->scenario.drive.amplitude > 0 ? run_->scenario.drive.angular_frequency : 0;
-  ErrorShapes shapes = error_shapes(times_, w, run_->scenario.start_phase, reference_time_, wanted);
-  const Eigen::Vector2d way = run_->track.position.back() - run_->track.position.front();
-  if (way.norm() > 0) shapes.way = way.normalized();
-  return shapes;
+  return error_shapes(times_, w, run_->scenario.start_phase, reference_time_, wanted);
 }
 
 Eigen::VectorXd TrackWhitening::difference(const Eigen::Matrix2Xd& positions) const {
@@ -62,8 +57,7 @@ void TrackWhitening::take_own(Eigen::Ref<Eigen::VectorXd> column) const {
   noise_.take_own(column);
 }
 
-PointResiduals TrackWhitening::explained(const Eigen::Matrix2Xd& positions,
-                                         const Eigen::VectorXd& common) const {
+PointResiduals TrackWhitening::explained(const Eigen::Matrix2Xd& positions) const {
   const Eigen::Matrix2d normal = white_.transpose() * white_;
   const Eigen::VectorXd difference = this->difference(positions);
   Eigen::VectorXd white = difference;
@@ -71,27 +65,19 @@ PointResiduals TrackWhitening::explained(const Eigen::Matrix2Xd& positions,
   PointResiduals result;
   result.start_point = solve_symmetric2(normal, white_.transpose() * white);
   white -= white_ * result.start_point;
-  // What the points share, less what a start point takes of it: as it is and whitened.
-  Eigen::VectorXd shared = Eigen::VectorXd::Zero(white.size());
-  const auto subtract = [&](const Eigen::MatrixXd& columns, const Eigen::VectorXd& coefficients) {
-    Eigen::VectorXd errors = columns * coefficients, whitened_errors = errors;
-    noise_.apply(Eigen::Ref<Eigen::VectorXd>(whitened_errors));
-    const Eigen::Vector2d taken = solve_symmetric2(normal, white_.transpose() * whitened_errors);
-    shared += errors - taken.replicate(white.size() / 2, 1);
-    white -= whitened_errors - white_ * taken;
-  };
-  if (common.size() > 0 && common_.count() > 0) subtract(error_columns(common_), common);
-  if (!correlated_.empty()) {
+  if (!correlated_.empty()) {  // their expectation, less what a start point takes of it
     Eigen::VectorXd alone = white;
     correlated_.apply(alone);
-    subtract(shaped_, correlated_.coefficients(alone));
+    Eigen::VectorXd errors = shaped_ * correlated_.coefficients(alone);
+    noise_.apply(Eigen::Ref<Eigen::VectorXd>(errors));
+    const Eigen::Vector2d taken = solve_symmetric2(normal, white_.transpose() * errors);
+    white -= errors - white_ * taken;
   }
   result.rows_taken = correlated_.rows_taken();
   for (std::size_t i = 0; i < points(); ++i) {
     const auto k = 2 * static_cast<Eigen::Index>(i);
     result.row.push_back(first_ + i);
     result.residual.emplace_back(difference.segment<2>(k) - result.start_point);
-    result.correlated.emplace_back(shared.segment<2>(k));
     result.innovation.push_back(noise_.innovation(i, white.segment<2>(k)));
     result.innovation_covariance.emplace_back(point_errors(run_->track, first_ + i).own +
                                               noise_.predicted(i));

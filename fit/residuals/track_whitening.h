@@ -23,9 +23,8 @@ struct PointScatter {
 struct PointResiduals {
   std::vector<std::size_t> row;  ///< of the track
   std::vector<Eigen::Vector2d> residual;
-  std::vector<Eigen::Vector2d> correlated;  ///< expectation of the part that all points share
-  /// What is left without it and without what the points before tell of the track's slow errors, and its
-  /// covariance by the track, m^2.
+  /// What is left without the expected errors that have shapes over the track and without what the points
+  /// before tell of its slow errors, and its covariance by the track, m^2.
   std::vector<Eigen::Vector2d> innovation;
   std::vector<Eigen::Matrix2d> innovation_covariance;
   double rows_taken = 0;  ///< degrees of freedom of that expectation
@@ -44,19 +43,15 @@ class TrackWhitening {
   const std::vector<double>& times() const { return times_; }  ///< s, of its points, from the first
   /// Measured less modelled (m, in the picture), two rows a point.
   Eigen::VectorXd difference(const Eigen::Matrix2Xd& positions) const;
-  /// V^(-1/2) of everything but errors that all runs share, columns of two rows a point.
+  /// V^(-1/2), columns of two rows a point.
   Eigen::MatrixXd whitened(Eigen::MatrixXd columns) const;
   /// Of a sum g' V^(-1/2) y of whitened rows, g = `column`, in place: what it is of the points' own noise.
   void take_own(Eigen::Ref<Eigen::VectorXd> column) const;
   /// Shapes of correlated errors over the points; none for a free slide.
   ErrorShapes shapes(const ErrorParts& wanted) const;
-  /// Of the errors with a variance, those that all runs share.
-  const ErrorShapes& common() const { return common_; }
   /// L^-1 of the points' own noise and slow errors, of a shift along x and along y.
   const Eigen::MatrixX2d& white() const { return white_; }
-  /// `common`: expected coefficients of those shapes; without them PointResiduals::correlated holds the run's
-  /// own errors alone.
-  PointResiduals explained(const Eigen::Matrix2Xd& positions, const Eigen::VectorXd& common) const;
+  PointResiduals explained(const Eigen::Matrix2Xd& positions) const;
 
  private:
   const TrajectoryRun* run_;
@@ -67,7 +62,6 @@ class TrackWhitening {
   Eigen::MatrixX2d white_, start_;  ///< behind it the start point's columns, and orthonormal ones
   Eigen::MatrixXd shaped_;  ///< columns of its own errors with shapes, not whitened
   CorrelatedWhitening correlated_;  ///< of them
-  ErrorShapes common_;
 };
 
 }  // namespace tribotrack::fit::internal

@@ -107,12 +107,10 @@ Eigen::MatrixXd influence_of_runs(const Residuals& residuals, const Minimum& bes
   const Eigen::MatrixXd all = left.normal();
   const Eigen::VectorXd sd = uncertainty.covariance.diagonal().cwiseSqrt();
   for (Eigen::Index run = 0; run < summary + trajectories; ++run) {
-    const RowLayout::Place place = run < summary
-                                       ? RowLayout::Place{0, 2 * run, 2, 2}
-                                       : residuals.layout().tracks[static_cast<std::size_t>(run - summary)];
-    const RowGroup& group = left.groups[place.group];
-    influence.row(run) = change(all, group.shared.middleRows(place.row, place.rows),
-                                group.residuals.segment(place.row, place.rows))
+    const std::size_t g = run < summary ? 0 : static_cast<std::size_t>(1 + run - summary);
+    const RowGroup& group = left.groups[g];
+    const Eigen::Index first = g == 0 ? 2 * run : 0, rows = g == 0 ? 2 : group.residuals.size();
+    influence.row(run) = change(all, group.shared.middleRows(first, rows), group.residuals.segment(first, rows))
                              .head(reported)
                              .cwiseQuotient(sd)
                              .transpose();
@@ -140,10 +138,10 @@ std::vector<Eigen::VectorXd> drawn(const Residuals& residuals, const Linearised&
   std::vector<Eigen::VectorXd> errors;
   for (const RowGroup& group : at.groups)
     for (double& number : errors.emplace_back(group.residuals.size())) number = normal(random);
-  errors[0].head(2 * static_cast<Eigen::Index>(residuals.unknowns().problem().summary_runs.size())) *= noise;
-  for (const RowLayout::Place& track : residuals.layout().tracks)
-    errors[track.group].segment(track.row, track.points) *= noise;
-  for (std::size_t g = 0; g < errors.size(); ++g) errors[g] -= at.groups[g].residuals;
+  for (std::size_t g = 0; g < errors.size(); ++g) {
+    errors[g].head(residuals.layout().groups[g].data) *= noise;
+    errors[g] -= at.groups[g].residuals;
+  }
   return errors;
 }
 

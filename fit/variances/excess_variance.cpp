@@ -146,10 +146,9 @@ ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen:
   else if (runs.differences.size() >= 3)
     result.runs = runs.scatter_by_median(kMedianSquare * std::max(0.2, 1 - unknowns / data));
 
-  const Eigen::VectorXd common = residuals.common_error(values);
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
     result.trajectories[i] =
-        between_points(residuals.points(values, i, common), problem.trajectory_runs[i].free_slide,
+        between_points(residuals.points(values, i), problem.trajectory_runs[i].free_slide,
                        result.trajectories[i]);
   return result;
 }
