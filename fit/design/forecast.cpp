@@ -119,8 +119,8 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
   // Fewer points stand for all that are seen.
   const std::size_t seen = like.track.time.size(), n = std::min(kMostPoints, seen);
   const auto& scatter = residuals_.excess_variance().trajectories[*track_];
-  const double own = 0.5 * point_errors(like.track, 0).own.trace() + std::pow(scatter.between_points, 2);
-  double all = own * scatter.correlation_time * static_cast<double>(n) / static_cast<double>(seen);
+  const double white = 0.5 * point_errors(like.track, 0).own.trace() + std::pow(scatter.between_points, 2);
+  double all = white * scatter.correlation_time * static_cast<double>(n) / static_cast<double>(seen);
   for (const SlowError& slow : like.track.slow) all += slow.sd * slow.sd;
   TrajectoryRun run;
   run.scenario = scenario;
