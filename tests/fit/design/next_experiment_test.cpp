@@ -109,32 +109,6 @@ TEST(NextExperiment, ThePredictedSdIsThatOfTheFitWithIt) {
   EXPECT_TRUE(another_drive);
 }
 
-// No other place of the grid does better, by fits with each of them.
-TEST(NextExperimentCampaign, DISABLED_IsTheBestOfTheGrid) {
-  Problem problem = sweep_of_phi();
-  const FitResult before = estimate(problem, quick(true));
-  ASSERT_TRUE(before.next_experiment);
-  const auto& advice = before.other_next_experiments;
-  const auto for_mu2 = std::find_if(advice.begin(), advice.end(), [](const NextExperiment& next) {
-    return next.aim == FitParameter::mu2 && next.amplitude == 0.28e-3 && next.angular_frequency == 62.8;
-  });
-  const double volume_told = [&] {
-    Problem more = problem;
-    more.summary_runs.push_back(film(advised(*before.next_experiment)));
-    return estimate(more, quick(false)).covariance.determinant();
-  }();
-  const double mu2_told = for_mu2 == advice.end() ? before.next_experiment->predicted_sd.at(FitParameter::mu2)
-                                                  : for_mu2->predicted_sd.at(FitParameter::mu2);
-  for (int j = 1; j < 8; ++j)
-    for (int k = 0; k < 8; k += 2) {
-      Problem more = problem;
-      more.summary_runs.push_back(film(test::scenario(kTruth, k * pi / 4, j * pi / 4)));
-      const FitResult after = estimate(more, quick(false));
-      EXPECT_GE(after.covariance.determinant(), 0.9 * volume_told) << j << ", " << k;
-      EXPECT_GE(after.parameters[1].sd, 0.97 * mu2_told) << j << ", " << k;
-    }
-}
-
 TEST(NextExperiment, OfTracksIsATrack) {
   const unsigned seed = 5;
   SCOPED_TRACE(seed);

@@ -67,34 +67,6 @@ TEST(Robust, OneBadRunDoesNotPull) {
   EXPECT_EQ(robust.outliers[0].run, bad.summary_runs[4].name);
 }
 
-// Good data: a robust loss costs little, and its intervals still hold at their rate (binomial, 80 tries).
-TEST(RobustCampaign, DISABLED_ItsIntervalsHoldOnGoodData) {
-  const unsigned seed = 12;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  FitOptions options = quick();
-  options.loss = Loss::huber;
-  options.multi_starts = 1;
-  const Truth truth;
-  Problem exact;
-  exact.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  for (const auto& s : test::fourteen(truth))
-    exact.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3, nullptr, 1000));
-  std::normal_distribution<double> normal;
-  int inside[3] = {0, 0, 0};
-  for (int trial = 0; trial < 80; ++trial) {
-    Problem problem = exact;
-    for (auto& run : problem.summary_runs)
-      run.measured.vector += Eigen::Matrix2d(run.measured.covariance.llt().matrixL()) *
-                             Eigen::Vector2d(normal(random), normal(random));
-    const FitResult result = estimate(problem, options);
-    const double truths[] = {truth.mu1, truth.mu2, truth.lag};
-    for (std::size_t i = 0; i < 3; ++i)
-      inside[i] += result.parameters[i].ci95.low <= truths[i] && truths[i] <= result.parameters[i].ci95.high;
-  }
-  for (const int count : inside) EXPECT_GE(count, 68);  // P(X < 68) = 0.0006 at 95 %
-}
-
 TEST(Outliers, AMislabelledRunIsNamedWithThePhiItLooksLike) {
   const unsigned seed = 21;
   SCOPED_TRACE(seed);
