@@ -352,8 +352,7 @@ FitResult Estimation::report() {
   FitResult& result = result_;
   if (options_.bootstrap > 0) {
     const Bootstrap refits = bootstrap(residuals_, best, any(residuals_.excess_variance()), options_);
-    result.bootstrap = refits.converged;
-    result.bootstrap_seed = options_.bootstrap_seed;
+    result.bootstrap = {refits.converged, options_.bootstrap_seed};
     for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
   }
   result.identifiability = identifiability(unknowns_, values_, uncertainty_, result.parameters);

@@ -89,10 +89,9 @@ struct RunResult {
     std::vector<double> time;      ///< s, the recording's
     std::vector<double> measured;  ///< m
     std::vector<double> modelled;  ///< m
+    std::string sentence;          ///< initial speed and residual
   } slide;
 };
-
-std::string slide_sentence(const RunResult& run);  ///< a free slide's initial speed and residual
 
 enum class Verdict { identifiable, weak, not_identifiable };
 
@@ -273,8 +272,10 @@ struct FitResult {
   int conditions = 0;  ///< unknowns that are known to an sd: what they absorb of chi^2, dof does not count
   std::vector<RunResult> runs;
   std::vector<SlideResult> slides;    ///< free slides one by one
-  double between_slides = 0;          ///< sd of mu1 between slides, counted in the covariance
-  double between_slides_p_value = 1;  ///< that the slides' mu1 differ so much by chance
+  struct BetweenSlides {
+    double sd = 0;       ///< of mu1 between slides, counted in the covariance
+    double p_value = 1;  ///< that the slides' mu1 differ so much by chance
+  } between_slides;
   std::vector<Outlier> outliers;      ///< farthest first
   /// What would explain the residuals, best first.
   std::vector<Explanation> explanations;
@@ -309,8 +310,10 @@ struct FitResult {
   int starts_screened = 0;         ///< points of the box looked at
   int starts = 0;                  ///< descents made
   int starts_at_best = 0;          ///< of them, those that ended in the minimum reported
-  int bootstrap = 0;  ///< refits that converged
-  unsigned bootstrap_seed = 0;
+  struct Refits {
+    int refits = 0;  ///< that converged
+    unsigned seed = 0;
+  } bootstrap;
 
   // What to measure next.
   std::optional<NextExperiment> next_experiment;

@@ -129,18 +129,11 @@ void scenario(Io& io, model::Scenario& scenario) {
   });
 }
 
-namespace {
-struct SlideColumns {
-  RunResult::Slide points;
-  std::string sentence;
-};
-}  // namespace
-
 template <class Io>
-void fields(Io& io, SlideColumns& slide) {
-  io("time_s", slide.points.time);
-  io.scaled("position_mm", slide.points.measured, 1e3);
-  io.scaled("fitted_mm", slide.points.modelled, 1e3);
+void fields(Io& io, RunResult::Slide& slide) {
+  io("time_s", slide.time);
+  io.scaled("position_mm", slide.measured, 1e3);
+  io.scaled("fitted_mm", slide.modelled, 1e3);
   io("sentence", slide.sentence);
 }
 
@@ -160,10 +153,7 @@ void fields(Io& io, RunResult& run) {
   io("points", run.points, run.points > 0);
   io.scaled("residual_rms_mm", run.rms_m, 1e3, run.points > 0);
   io("nuisance", run.nuisance, !run.nuisance.empty());
-  const bool slid = !run.slide.time.empty();
-  SlideColumns slide{run.slide, slid ? slide_sentence(run) : ""};
-  io("slide", slide, slid);
-  run.slide = slide.points;
+  io("slide", run.slide, !run.slide.time.empty());
 }
 
 template <class Io>
@@ -289,27 +279,14 @@ void fields(Io& io, BudgetEntry& entry) {
   entry.quantity = quantity.value_or("");
 }
 
-namespace {
-struct Bootstrap {
-  int refits = 0;
-  unsigned seed = 0;
-};
-}  // namespace
-
 template <class Io>
-void fields(Io& io, Bootstrap& b) {
+void fields(Io& io, FitResult::Refits& b) {
   io("refits", b.refits);
   io("seed", b.seed);
 }
 
-namespace {
-struct BetweenSlides {
-  double sd = 0, p_value = 1;
-};
-}  // namespace
-
 template <class Io>
-void fields(Io& io, BetweenSlides& between) {
+void fields(Io& io, FitResult::BetweenSlides& between) {
   io("sd", between.sd);
   io("p_value", between.p_value);
 }
@@ -353,10 +330,7 @@ void fields(Io& io, FitResult& fit) {
   io.need("identifiability", fit.identifiability);
   io.those_with("scenario", "runs", fit.runs);
   io("slides", fit.slides);
-  BetweenSlides between{fit.between_slides, fit.between_slides_p_value};
-  io("between_slides", between, fit.slides.size() > 1);
-  fit.between_slides = between.sd;
-  fit.between_slides_p_value = between.p_value;
+  io("between_slides", fit.between_slides, fit.slides.size() > 1);
   io("next_experiment", fit.next_experiment);
   io("other_next_experiments", fit.other_next_experiments);
   io("p_value", fit.p_value);
@@ -371,10 +345,7 @@ void fields(Io& io, FitResult& fit) {
   io("improve_first", fit.improve_first);
   if (const Json coding = coding_json(fit); !coding.is_null()) io.derived("coding", coding);
   io("loss", fit.loss);
-  Bootstrap bootstrap{fit.bootstrap, fit.bootstrap_seed};
-  io("bootstrap", bootstrap, fit.bootstrap > 0);
-  fit.bootstrap = bootstrap.refits;
-  fit.bootstrap_seed = bootstrap.seed;
+  io("bootstrap", fit.bootstrap, fit.bootstrap.refits > 0);
   io("warnings", fit.warnings);
 }
 
@@ -471,10 +442,6 @@ void from_json(const Json& json, FitResult& shown) {
 
 void to_json(Json& json, const SlideResult& slide) {
   json = written(slide, {});
-}
-
-Json scenario_json(const model::Scenario& scenario) {
-  return written(scenario, {});
 }
 
 }  // namespace tribotrack::fit

@@ -264,6 +264,9 @@ void fill_slide(const Unknowns& unknowns, const Eigen::VectorXd& values, std::si
     result.slide.measured.push_back(measured_along);
     result.slide.modelled.push_back(measured_along - along.dot(points.residual[i]));
   }
+  result.slide.sentence =
+      fmt::format("Initial speed {:.4g} mm/s; {} points, residual {:.3g} mm rms.",
+                  nuisance["initial_speed_mm_s"], result.points, result.rms_m * 1e3);
   nuisance["stop_time_s"] = run.track.time[points.row.front()] + stop_time(result.fitted);
   if (const NuisanceBlock* deviation = unknowns.find(Nuisance::deviation, index))
     nuisance["mu1"] = unknowns.value_of(FitParameter::mu1, values) + values(deviation->first);

@@ -119,8 +119,8 @@ TEST(Bootstrap, AgreesWithTheOtherIntervalsWhereAllAreGaussian) {
   options.bootstrap_seed = 99;
   options.profiles = true;
   const FitResult result = estimate(problem, options);
-  EXPECT_EQ(result.bootstrap_seed, 99U);
-  EXPECT_GE(result.bootstrap, 395);
+  EXPECT_EQ(result.bootstrap.seed, 99U);
+  EXPECT_GE(result.bootstrap.refits, 395);
   for (const auto& p : result.parameters) {
     // Ends of 400 draws are uncertain by about 0.13 sd.
     EXPECT_NEAR(p.bootstrap_ci95.low, p.profile_ci95.low, 0.5 * p.sd);
