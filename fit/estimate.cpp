@@ -148,9 +148,9 @@ void Estimation::find_minimum() {
   residuals_.set_own_errors(unknowns_.first_guess());
   search_ = multi_start(residuals_, options_);
   if (search_.minima.empty()) {
-    const auto failures = residuals_.failures().kept();
-    throw DataError("The model cannot be evaluated at any start" +
-                    (failures.empty() ? "" : " (" + failures.front().reason + ")") +
+    std::string why;
+    residuals_.at(unknowns_.first_guess(), false, &why);
+    throw DataError("The model cannot be evaluated at any start" + (why.empty() ? "" : " (" + why + ")") +
                     ": check the drive and the first guesses ([fit.guess]).");
   }
   result_.starts_screened = static_cast<int>(search_.sample.size());
@@ -196,7 +196,7 @@ void Estimation::add_scatter_of_replicates() {
   result_.scatter_from_replicates = options_.estimate_scatter && repeated.scatter > 0;
   if (!result_.scatter_from_replicates) return;
   ExcessVariance excess = residuals_.excess_variance();
-  excess.along = excess.across = repeated.scatter;
+  excess.runs = repeated.scatter;
   residuals_.set_excess_variance(excess);
   minimum_ = minimise(residuals_, minimum_.z);
 }
@@ -232,7 +232,7 @@ void Estimation::evaluate_curvature(const Minimum& minimum) {
   plain.set_weights({});
   const auto at = plain.at(values_);
   if (!at) throw DataError("The model cannot be evaluated at the minimum: check the drive.");
-  const double factor = robust_covariance_factor(residuals_, best_.at, options_.loss);
+  const double factor = robust_covariance_factor(residuals_, best_.at);
   uncertainty_ = uncertainty(unknowns_, values_,
                              at->scaled(Eigen::VectorXd::Constant(unknowns_.size(), 1 / std::sqrt(factor))));
 }
@@ -352,8 +352,7 @@ FitResult Estimation::report() {
   FitResult& result = result_;
   if (options_.bootstrap > 0) {
     const Bootstrap refits = bootstrap(residuals_, best, any(residuals_.excess_variance()), options_);
-    result.bootstrap = refits.converged;
-    result.bootstrap_seed = options_.bootstrap_seed;
+    result.bootstrap = {refits.converged, options_.bootstrap_seed};
     for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
   }
   result.identifiability = identifiability(unknowns_, values_, uncertainty_, result.parameters);
@@ -375,7 +374,6 @@ FitResult Estimation::report() {
   result.improve_first = improve_first(result.budget, result.parameters);
   result.systematics = taken_as_exact(result.budget, result.parameters);
   fill_minima(residuals_, minima_, result);
-  fill_failures(residuals_, best, result);
   if (!result.converged)
     result.warnings.push_back(
         "The fit did not converge: start nearer ([fit.guess]) or fit fewer parameters.");
@@ -399,7 +397,6 @@ FitResult fit_alone(const Problem& problem, const FitOptions& options, bool scat
   quick.multi_starts = 1;
   quick.profiles = quick.next_experiment = false;
   quick.estimate_scatter = options.estimate_scatter && scatter;
-  quick.loss = options.loss;
   Estimation fit(problem, quick);
   fit.find_minimum();
   fit.test_residuals();
@@ -440,9 +437,11 @@ void set_course(Problem& problem) {
 
 }  // namespace
 
-FitResult estimate(const Problem& given, const FitOptions& options) {
-  options.validate();
+FitResult estimate(const Problem& given, const FitOptions& wanted) {
+  wanted.validate();
   given.validate();
+  FitOptions options = wanted;
+  if (given.summary_runs.empty()) options.loss = Loss::squares;
   Problem problem = given;
   set_course(problem);
   std::vector<SlideResult> slides = prepare_slides(problem);

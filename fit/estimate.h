@@ -32,8 +32,7 @@ struct FitOptions {
   /// points where chi^2 rejects the fit (p < 0.001; between runs p < 0.05), and correlated errors of driven
   /// tracks, which chi^2 does not see. False: the covariance rests on the data's sigma alone.
   bool estimate_scatter = true;
-  Loss loss =
-      Loss::squares;  ///< huber or cauchy: outlying runs and points are down-weighted; no profiles then
+  Loss loss = Loss::squares;  ///< huber: outlying displacements are down-weighted; no profiles then
   bool rivals =
       false;  ///< compare tilt and alternative friction laws even where the residuals do not require it
   int bootstrap = 0;  ///< refits to simulated data; 0: none, 400 give the ends of intervals to about 10 %

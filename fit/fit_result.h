@@ -89,10 +89,9 @@ struct RunResult {
     std::vector<double> time;      ///< s, the recording's
     std::vector<double> measured;  ///< m
     std::vector<double> modelled;  ///< m
+    std::string sentence;          ///< initial speed and residual
   } slide;
 };
-
-std::string slide_sentence(const RunResult& run);  ///< a free slide's initial speed and residual
 
 enum class Verdict { identifiable, weak, not_identifiable };
 
@@ -183,8 +182,8 @@ struct BudgetEntry {
   Eigen::VectorXd sensitivity;   ///< d parameter / d quantity, SI; empty for data
 };
 
-/// How strongly a run at a distance of s sigma may pull: squares as s, Huber as at most 2, Cauchy hardly.
-enum class Loss { squares, huber, cauchy };
+/// How strongly a displacement at a distance of s sigma may pull: squares as s, Huber as at most 2.
+enum class Loss { squares, huber };
 
 /// A minimum of chi^2.
 struct OneMinimum {
@@ -197,17 +196,12 @@ struct OneMinimum {
 /// deviations per axis, m, estimated from the residuals beside the points' own noise (restricted maximum
 /// likelihood). 0 where the residuals show none.
 struct CorrelatedErrors {
-  double drift =
-      0;  ///< of a straight drift over `time`: each run's own and the one all share along their ways
-  double walk = 0;              ///< of a Brownian walk over `time`
-  double circle = 0;            ///< of each of cos wt and sin wt
-  double overtones = 0;         ///< of each of cos and sin of 2wt and 3wt
-  double common_circle = 0;     ///< as circle, but one error that all runs share
-  double common_overtones = 0;  ///< as overtones, likewise
-  double time = 0;              ///< s, of the longest run; 0 where no driven track was fitted
-  bool any() const {
-    return drift > 0 || walk > 0 || circle > 0 || overtones > 0 || common_circle > 0 || common_overtones > 0;
-  }
+  double drift = 0;      ///< of a straight drift over `time`
+  double walk = 0;       ///< of a Brownian walk over `time`
+  double circle = 0;     ///< of each of cos wt and sin wt
+  double overtones = 0;  ///< of each of cos and sin of 2wt and 3wt
+  double time = 0;       ///< s, of the longest run; 0 where no driven track was fitted
+  bool any() const { return drift > 0 || walk > 0 || circle > 0 || overtones > 0; }
 };
 
 /// A blow or collision seen in the track of a free slide.
@@ -278,8 +272,10 @@ struct FitResult {
   int conditions = 0;  ///< unknowns that are known to an sd: what they absorb of chi^2, dof does not count
   std::vector<RunResult> runs;
   std::vector<SlideResult> slides;    ///< free slides one by one
-  double between_slides = 0;          ///< sd of mu1 between slides, counted in the covariance
-  double between_slides_p_value = 1;  ///< that the slides' mu1 differ so much by chance
+  struct BetweenSlides {
+    double sd = 0;       ///< of mu1 between slides, counted in the covariance
+    double p_value = 1;  ///< that the slides' mu1 differ so much by chance
+  } between_slides;
   std::vector<Outlier> outliers;      ///< farthest first
   /// What would explain the residuals, best first.
   std::vector<Explanation> explanations;
@@ -293,9 +289,7 @@ struct FitResult {
 
   // Errors beyond the data's own sigma, counted in the covariance.
   double scatter = 0;  ///< m, added in quadrature per axis; 0 where the residuals show none
-  /// m, between summary runs, along their displacements (v) and across (alpha): equal unless the residuals
-  /// show that they differ.
-  double scatter_along = 0, scatter_across = 0;
+  double scatter_between_runs = 0;       ///< m, of it between summary runs
   bool scatter_from_replicates = false;  ///< estimated from repeated runs: p_value still judges the model
   int replicate_dof = 0;                 ///< two for each repetition
   CorrelatedErrors correlated_errors;
@@ -316,10 +310,10 @@ struct FitResult {
   int starts_screened = 0;         ///< points of the box looked at
   int starts = 0;                  ///< descents made
   int starts_at_best = 0;          ///< of them, those that ended in the minimum reported
-  /// Trial values at which the model has no motion. A warning where some lie within three sd of the minimum.
-  std::size_t failed_evaluations = 0;
-  int bootstrap = 0;  ///< refits that converged
-  unsigned bootstrap_seed = 0;
+  struct Refits {
+    int refits = 0;  ///< that converged
+    unsigned seed = 0;
+  } bootstrap;
 
   // What to measure next.
   std::optional<NextExperiment> next_experiment;

@@ -115,7 +115,6 @@ void rescale(Track& track, const vision::Scale& scale) {
     for (Eigen::Vector2d& p : *lengths) p *= factor;
   for (Eigen::Matrix2d& c : track.table.covariance) c *= factor * factor;
   for (fit::SlowError& slow : track.table.slow) slow.sd *= factor;
-  for (Eigen::Matrix2Xd& shared : track.table.shared) shared *= factor;
   for (auto* lengths : {&track.table.marker_sigma, &track.x_mm, &track.y_mm})
     for (double& x : *lengths) x *= factor;
   track.table.radius *= factor;

@@ -176,8 +176,8 @@ void add_fit(CLI::App& app, Context& context) {
       ->type_name("N");
   command
       .add_option("--loss", options->choices.loss,
-                  "squares (default); huber or cauchy: outlying runs and points are down-weighted; what that "
-                  "means for the intervals is printed with them")
+                  "squares (default) or huber: outlying displacements are down-weighted; what that means for "
+                  "the intervals is printed with them")
       ->check(one_of(losses()))
       ->type_name("LOSS");
   command.add_flag("--compare-models", options->choices.fit.rivals,

@@ -195,7 +195,7 @@ std::optional<Eigen::VectorXd> roughly(Problem problem) {
   Residuals residuals(unknowns);
   residuals.set_tolerance(1e-4);
   ExcessVariance excess;
-  excess.along = excess.across = kNear * upper_median(lengths);
+  excess.runs = kNear * upper_median(lengths);
   residuals.set_excess_variance(excess);
   MinimiseOptions descent;
   descent.decrement = 0.1;

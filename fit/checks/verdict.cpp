@@ -87,7 +87,7 @@ void add_doubts(const FitResult& result, std::vector<std::string>& reasons) {
     reasons.push_back("some parameters are determined only weakly");
   if (result.agreement == Agreement::too_good) reasons.push_back("the stated errors look too large");
   if (result.agreement == Agreement::unknown) reasons.push_back("there are no data left to check the model");
-  if (result.slides.size() > 1 && result.between_slides_p_value < kDoubt)
+  if (result.slides.size() > 1 && result.between_slides.p_value < kDoubt)
     reasons.push_back("mu1 differs from slide to slide by more than chance");
   if (std::ranges::any_of(result.slides, [](const SlideResult& slide) { return !slide.blows.empty(); }))
     reasons.push_back("a slide was struck on its way");

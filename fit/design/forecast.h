@@ -2,10 +2,8 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "fit/residuals/residuals.h"
-#include "fit/tools/stage_progress.h"
 
 namespace tribotrack::fit::internal {
 
@@ -35,10 +33,6 @@ class Forecaster {
   /// nullopt where the model cannot be evaluated, takes more than 50 times the steps of the longest of the
   /// runs so far, or where nothing fitted moves the run.
   std::optional<Forecast> forecast(const Candidate& candidate, double tolerance) const;
-  /// Of many, on several threads; displacements by differences of runs in lanes where the platform circles.
-  /// None of those that the stage is late for.
-  std::vector<std::optional<Forecast>> forecasts(const std::vector<Candidate>& candidates, double tolerance,
-                                                 int threads, Stage& stage) const;
   /// The same turned to another phi by the rotation law: exact for the steady drift of a circling platform,
   /// good to some degrees from rest. The information on everything but a tilt, which stays where it is, is
   /// then the same.

@@ -34,7 +34,7 @@ inline std::vector<std::string> words_of<Verdict>() {
 }
 template <>
 inline std::vector<std::string> words_of<Loss>() {
-  return {"squares", "huber", "cauchy"};
+  return {"squares", "huber"};
 }
 template <>
 inline std::vector<std::string> words_of<model::Start>() {

@@ -73,8 +73,6 @@ void check_run(const TrajectoryRun& run) {
   if (n < 8 || track.position.size() != n || track.covariance.size() != n)
     throw DataError("Run '" + run.name + "': " + std::to_string(n) +
                     " tracked points; a fit to the trajectory needs at least 8.");
-  if (!track.shared.empty() && track.shared.size() != n)
-    throw DataError("Run '" + run.name + "': the track's shared errors are those of other rows.");
   for (const SlowError& slow : track.slow)
     if (!(slow.sd >= 0) || !(slow.time > 0) || !std::isfinite(slow.sd))
       throw DataError("Run '" + run.name + "': a slow error of the track has no sd or no correlation time.");

@@ -116,7 +116,6 @@ void take_errors(const ShownErrors& shown, TrackTable& track) {
   const double variance = shown.own_sd * shown.own_sd + shown.slow.sd * shown.slow.sd;
   track.covariance.assign(track.time.size(), variance * Eigen::Matrix2d::Identity());
   track.slow = {shown.slow};
-  track.shared.clear();
 }
 
 namespace {
@@ -198,8 +197,7 @@ std::string unseen_spins(const FitResult& result) {
 }
 
 void describe_scatter(const BetweenSlides& between, FitResult& result) {
-  result.between_slides = between.sd;
-  result.between_slides_p_value = between.p_value;
+  result.between_slides = {between.sd, between.p_value};
   result.covariance_meaning += fmt::format(
       " mu1 is the mean of {} slides of their own mu1 each, with an sd of {} between them (Paule and Mandel) "
       "and an interval by Student's t of {} degree{} of freedom (Hartung and Knapp).",

@@ -196,7 +196,7 @@ class Sources {
       const Eigen::Matrix2d all = residuals_.covariance(i);
       // Rows are whitened by L^-1: to the parameters per metre of displacement.
       const Eigen::MatrixX2d by_metre =
-          std::sqrt(residuals_.weights().of(i)) *
+          std::sqrt(residuals_.weight(i)) *
           Factor2(all).by_upper(by_rows_[0].middleCols(row, 2).transpose()).transpose();
       const auto variance = [&](const Eigen::Matrix2d& covariance) {
         return Eigen::VectorXd((by_metre * covariance * by_metre.transpose()).diagonal());
@@ -214,9 +214,8 @@ class Sources {
     if (problem_.trajectory_runs.empty()) return;
     std::vector<Eigen::MatrixXd> points = by_rows_;
     for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i) {
-      const RowLayout::Place& place = residuals_.layout().tracks[i];
-      const std::size_t group = place.group;
-      Eigen::Index row = place.row + place.points;
+      const std::size_t group = 1 + i;
+      Eigen::Index row = residuals_.layout().groups[group].data;
       for (const NuisanceBlock& block : unknowns_.nuisances(i)) {
         const Eigen::Index rows = block.known.rows();
         add_nuisance(block.kind, by_rows_[group].middleCols(row, rows).rowwise().squaredNorm());
@@ -229,7 +228,7 @@ class Sources {
       for (Eigen::Index p = 0; p < n_; ++p) {
         Eigen::VectorXd by_row = points[g].row(p);
         all(p) += by_row.squaredNorm();
-        residuals_.take_own_noise(g, by_row);
+        residuals_.track(g - 1).take_own(by_row.head(residuals_.layout().groups[g].data));
         noise(p) += by_row.squaredNorm();
       }
     add(kTracking, noise, "the points' own sds");

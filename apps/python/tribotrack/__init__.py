@@ -259,7 +259,7 @@ def fit(
         part: which of the campaign's several [[part]].
         tracks: folder with the runs' tracks, NAME.csv; without it videos are tracked now.
         allow_missing: go on where up to so many runs are not usable.
-        loss: "squares", "huber" or "cauchy". bootstrap: refits to simulated data, seed: of their noise.
+        loss: "squares" or "huber". bootstrap: refits to simulated data, seed: of their noise.
         compare_models: compare tilt and other laws of friction in any case.
         threads: at work; all where not given. progress: called as progress(stage, done, total).
         conditions: of a table: amplitude_mm, amplitude_y_mm, angular_frequency_rad_s, phase_shift_rad, gravity_m_s2,

@@ -192,7 +192,7 @@ std::vector<Figure> slide_figures(const ReportData& data) {
         "Distance along the slide against time, with the law of friction at its own μ<sub>1</sub> (without "
         "spin a "
         "parabola, deceleration μ<sub>1</sub> g); below, measured minus fitted. " +
-        sentence_html(fit::slide_sentence(run.fitted) + own_sentence(data, run.name));
+        sentence_html(run.fitted.slide.sentence + own_sentence(data, run.name));
     figure.alternative =
         fmt::format("Free slide {}: distance against time and the residual below.", run.name);
     figure.panels = {main, below};

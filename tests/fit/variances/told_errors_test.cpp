@@ -44,14 +44,9 @@ TEST(ToldErrors, AreWhitenedAsTheDenseCovarianceSays) {
   const unsigned seed = 3;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
   Problem problem = drawn(1, 60, random);
   TrackTable& track = problem.trajectory_runs[0].track;
   track.slow.push_back({0.2e-6, 5});
-  for (std::size_t i = 0; i < track.time.size(); ++i) {
-    track.shared.emplace_back(2, 3);
-    for (double& value : track.shared.back().reshaped()) value = 0.1e-6 * normal(random);
-  }
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   const Eigen::Vector3d truth(0.1, 0.0125, 0.1);

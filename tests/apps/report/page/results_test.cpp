@@ -87,8 +87,7 @@ TEST(ParameterSection, GivenAndMeasuredConditionsStandSideBySide) {
 TEST(ParameterSection, ABootstrapHasItsColumnAndItsSeed) {
   ReportData data = sample::campaign();
   for (fit::ParameterEstimate& p : data.fit.parameters) p.bootstrap_ci95 = p.ci95;
-  data.fit.bootstrap = 400;
-  data.fit.bootstrap_seed = 7;
+  data.fit.bootstrap = {400, 7};
   const std::string html = parameters_of(data);
   EXPECT_THAT(html, HasSubstr("<th class=\"n\">by profile</th><th class=\"n\">by bootstrap</th>"));
   EXPECT_THAT(html, HasSubstr("95 % of 400 refits to simulated data (seed 7)"));
