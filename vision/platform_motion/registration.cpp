@@ -54,7 +54,7 @@ GroundRegistration::GroundRegistration(const Ground& ground, double share) : gro
   for (Block& b : blocks_) {
     b.shown = b.arrays.weight = b.weight;
     pixels_ += static_cast<double>(std::ranges::count_if(b.weight, [](float w) { return w > 0; }));
-    const WithoutOffset sums(tile_kernels().normal(b.arrays));
+    const WithoutOffset sums(normal_sums(b.arrays));
     squares += sums.normal(2, 2);
     weight += sums.weight;
   }
@@ -179,7 +179,7 @@ std::optional<GroundRegistration::Fit> GroundRegistration::solve() {
   fit.normal.setZero();
   fit.force.setZero();
   for (Block& b : blocks_) {
-    b.sums = tile_kernels().normal(b.arrays);
+    b.sums = normal_sums(b.arrays);
     const WithoutOffset sums(b.sums);
     fit.normal += sums.normal;
     fit.force += sums.force;

@@ -149,10 +149,6 @@ class TemplateRegistration {
   bool trimmed_ = false;                    ///< arrays_.weight is less than that
   std::vector<float> turned_x_, turned_y_;  ///< scratch of sample_turned
   std::vector<const float*> corners_;
-  std::vector<float> residual_;
-  std::vector<unsigned char> outliers_;
-  std::vector<std::array<double, 5>> scores_;
-  std::vector<NormalSums> normals_;
 };
 
 }  // namespace tribotrack::vision

@@ -106,7 +106,7 @@ void TemplateRegistration::sample_template(const Pose& fraction, bool slopes) {
   const SplineTaps taps = spline_taps(x - ix, y - iy);
   for (std::size_t t = 0; t < places_.size(); ++t)
     corners_[t] = spline_.coefficient(ix + places_[t].x, iy + places_[t].y);
-  tile_kernels().sample(corners_, spline_.stride(), taps, pivot_, slopes, arrays_);
+  sample_tiles(corners_, spline_.stride(), taps, pivot_, slopes, arrays_);
 }
 
 /// Every pixel has a fraction of its own.

@@ -149,7 +149,7 @@ void PartTileSums::take_window(std::size_t first, std::size_t count, const KeptW
             counts[j * kTile + i] = 0;
   }
   work.level.tiles = count;
-  tile_kernels().sample(work.corners, window.spline.stride(), at.taps, 0, false, work.level);
+  sample_tiles(work.corners, window.spline.stride(), at.taps, 0, false, work.level);
 }
 
 /// The ground under these tiles, and its variance.
@@ -173,7 +173,7 @@ void PartTileSums::take_ground(std::size_t first, std::size_t count, const Place
     }
   }
   work.ground.tiles = count;
-  tile_kernels().sample(work.corners, ground_.spline().stride(), at.ground_taps, 0, true, work.ground);
+  sample_tiles(work.corners, ground_.spline().stride(), at.ground_taps, 0, true, work.ground);
 }
 
 void PartTileSums::add_block(std::size_t block, const KeptWindow& window, const Placed& at, float trim,
