@@ -16,8 +16,7 @@ constexpr int kMostAlike = 100;  ///< things that look like the part, in a whole
 constexpr int kAngles = 24;
 constexpr double kCandidateReach = 2.5;  ///< px from a whole position to what is refined there
 constexpr double kChangedContrast = 0.5, kChangedArea = 0.125;  ///< of the template's spread and mask
-constexpr int kLongestPause = 63;          ///< frames: a template tried once in so many costs nothing
-constexpr double kDirectSearchWork = 3e7;  ///< multiplications; beyond, search on a reduced picture first
+constexpr int kLongestPause = 63;  ///< frames: a template tried once in so many costs nothing
 
 double distance(const Point& a, const Point& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
@@ -256,18 +255,9 @@ std::optional<Sighting> PatternFollower::by_template(const Rect& window, std::in
 
 /// Where the search template fits best in the window; whole positions only.
 std::optional<Point> PatternFollower::best_match(const Rect& window) {
-  if (window.width < matcher_.width() || window.height < matcher_.height()) return std::nullopt;
-  Match match;
-  const double positions =
-      (window.width - matcher_.width() + 1.0) * (window.height - matcher_.height() + 1.0);
-  if (positions * pattern_.window.width * pattern_.window.height < kDirectSearchWork) {
-    match = matcher_.best(picture_, 0, 0, window.width, window.height);
-  } else if (const auto found = matcher_.search(picture_, 0.5 * search_reference_, pattern_.reach(), 1);
-             !found.empty()) {
-    match = found.front();
-  }
-  if (match.ncc < 0.7 * search_reference_) return std::nullopt;
-  return Point{window.x + match.x + matcher_offset_x_, window.y + match.y + matcher_offset_y_};
+  const auto found = matcher_.search(picture_, 0.7 * search_reference_, pattern_.reach(), 1);
+  if (found.empty()) return std::nullopt;
+  return Point{window.x + found[0].x + matcher_offset_x_, window.y + found[0].y + matcher_offset_y_};
 }
 
 /// Nothing but the rim of the same part will do.
