@@ -245,7 +245,7 @@ void Tracking::decline_for_coding(LayeredOutcome& layers, const Track& measured)
   const double differ = error_of_difference(measured, result_.track);
   const double layered = std::hypot(predicted_error(measured, layers.audited), differ);
   const double first = predicted_error(result_.track, first_pass_->result().audited);
-  if (!(differ > 0) || !(first < layered) || !layers.ground_known) return;
+  if (!(differ > 0) || !(first < layered)) return;
   PlanStage stage = layers.plan.front();
   stage.on = false;
   stage.error_bound_px = std::nullopt;
