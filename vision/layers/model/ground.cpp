@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
 
@@ -20,14 +21,9 @@ constexpr float kFramesNeeded = 3;   ///< fewer do not tell how a place's level 
 
 /// The mean over 3 x 3 places: the interpolation leans on the neighbours.
 Picture box_mean(const Picture& in) {
-  Picture rows(in.width(), in.height()), out(in.width(), in.height());
-  for (int y = 0; y < in.height(); ++y)
-    for (int x = 0; x < in.width(); ++x)
-      rows.at(x, y) = in.at(std::max(0, x - 1), y) + in.at(x, y) + in.at(std::min(in.width() - 1, x + 1), y);
-  for (int y = 0; y < in.height(); ++y)
-    for (int x = 0; x < in.width(); ++x)
-      out.at(x, y) =
-          (rows.at(x, std::max(0, y - 1)) + rows.at(x, y) + rows.at(x, std::min(in.height() - 1, y + 1))) / 9;
+  Picture out = in;
+  cv::Mat levels(out.height(), out.width(), CV_32F, out.levels().data());
+  cv::blur(levels, levels, {3, 3}, {-1, -1}, cv::BORDER_REPLICATE);
   return out;
 }
 

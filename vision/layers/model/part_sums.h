@@ -11,7 +11,7 @@
 
 namespace tribotrack::vision {
 
-/// What is summed at a place, see PartRegression: of 1, the interpolation's share of white noise and,
+/// What is summed at a place, see learn_pictures(): of 1, the interpolation's share of white noise and,
 /// weighted, a^2, a h, h^2, a y, h y, y^2; of q r and q^2 over the variance of r.
 enum PartSum { kCount, kPassed, kAA, kAH, kHH, kAY, kHY, kYY, kQR, kQQ, kPartSums };
 
