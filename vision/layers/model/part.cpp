@@ -8,7 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "vision/layers/model/part_sums.h"
+#include "vision/kernels/parallel.h"
+#include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -31,6 +32,114 @@ Picture smoothed(const Picture& picture) {
   return out;
 }
 
+/// What is summed at a place over windows: of 1, the interpolation's share of white noise and, weighted, a^2,
+/// a h, h^2, a y, h y, y^2; of q r and q^2 over the variance of r.
+enum Sum { kCount, kPassed, kAA, kAH, kHH, kAY, kHY, kYY, kQR, kQQ, kSums };
+using SumPictures = std::array<Picture, kSums>;
+
+/// A row of a window's places on the part's grid.
+struct WindowRow {
+  const float *level, *below, *below_x, *below_y, *unsure;   ///< I, G - mean G and its slopes, var G
+  const float *part, *share, *share_x, *share_y, *variance;  ///< of before
+  float u, v;                                                ///< of the first place
+  float gain, slope_x, slope_y, under, mean;                 ///< a, a s, b, mean G
+  float counts;                                              ///< 1: a number, or the loop would branch
+  float passed, trim, blend;                                 ///< of white noise, squared sd, kappa
+  int count;
+};
+
+TRIBOTRACK_CLONES
+void add_row(const WindowRow& row, const std::array<float*, kSums>& sums) {
+  const WindowRow w = row;  // what the loop writes does not change these
+  float *count = sums[kCount], *passed = sums[kPassed], *aa = sums[kAA], *ah = sums[kAH], *hh = sums[kHH],
+        *ay = sums[kAY], *hy = sums[kHY], *yy = sums[kYY], *qr = sums[kQR], *qq = sums[kQQ];
+#pragma GCC ivdep
+  for (int i = 0; i < w.count; ++i) {
+    const float a = w.gain + w.slope_x * (w.u + static_cast<float>(i)) + w.slope_y * w.v;
+    const float h = w.under * (w.below[i] + w.mean) - a * w.mean;
+    const float q = w.under * (w.share_x[i] * w.below_x[i] + w.share_y[i] * w.below_y[i]);
+    const float y = w.level[i] - a * w.part[i] - w.blend * q, r = y - w.share[i] * h;
+    const float seen = w.share[i] * w.under, sd2 = w.variance[i] + seen * seen * w.unsure[i];
+    const float ok = r * r > w.trim * sd2 ? 0.0F : w.counts;
+    const float once = ok / sd2;
+    const float weight = once * w.variance[i], weight_a = weight * a, weight_h = weight * h;
+    count[i] += ok;
+    passed[i] += ok * w.passed;
+    aa[i] += weight_a * a;
+    ah[i] += weight_a * h;
+    hh[i] += weight_h * h;
+    ay[i] += weight_a * y;
+    hy[i] += weight_h * y;
+    yy[i] += weight * y * y;
+    qr[i] += once * q * r;
+    qq[i] += once * q * q;
+  }
+}
+
+/// Sums over windows, by bands of rows each of which sees all windows: they do not depend on the threads.
+SumPictures sums_over(WindowSpan windows, const PartPictures& before, const GroundPicture& ground,
+                      double trim, int threads) {
+  constexpr int kBand = 32;
+  const int size = 2 * before.half + 1;
+  SumPictures sums;
+  sums.fill(Picture(size, size));
+  Picture share(size, size), share_x(size, size), share_y(size, size);
+  QuinticSpline(before.share)
+      .sample_window(0, 0, size, size, share.levels().data(), share_x.levels().data(),
+                     share_y.levels().data());
+  const auto add = [&](const KeptWindow& window, int first_row, int end_row) {
+    thread_local std::vector<float> level, below, below_x, below_y, unsure;
+    const LayeredState& s = window.state;
+    const double left = s.centre.x - before.half - window.x, top = s.centre.y - before.half - window.y;
+    const int x = static_cast<int>(std::floor(left)), y = static_cast<int>(std::floor(top));
+    // Between the first and the last pixel of the window.
+    const int i0 = std::max(0, -x), i1 = std::min(size, window.picture.width() - 1 - x);
+    const int j0 = std::max(first_row, -y), j1 = std::min(end_row, window.picture.height() - 1 - y);
+    if (i1 <= i0 || j1 <= j0) return;
+    const auto places = static_cast<std::size_t>(i1 - i0) * static_cast<std::size_t>(j1 - j0);
+    for (auto* of : {&level, &below, &below_x, &below_y, &unsure}) of->resize(places);
+    window.spline.sample_window(left + i0, top + j0, i1 - i0, j1 - j0, level.data(), nullptr, nullptr);
+    ground.sample(s.centre.x - before.half - s.ground.x + i0, s.centre.y - before.half - s.ground.y + j0,
+                  i1 - i0, j1 - j0, below.data(), unsure.data(), below_x.data(), below_y.data());
+    const double passed = quintic_noise(left).value * quintic_noise(top).value;
+    for (int j = j0; j < j1; ++j) {
+      const std::size_t at = static_cast<std::size_t>(j - j0) * static_cast<std::size_t>(i1 - i0);
+      const auto row = [&](const Picture& of) { return of.row(j).data() + i0; };
+      std::array<float*, kSums> to{};
+      for (std::size_t k = 0; k < kSums; ++k) to[k] = sums[k].row(j).data() + i0;
+      add_row({level.data() + at,
+               below.data() + at,
+               below_x.data() + at,
+               below_y.data() + at,
+               unsure.data() + at,
+               row(before.level),
+               row(before.share),
+               row(share_x),
+               row(share_y),
+               row(before.variance),
+               static_cast<float>(i0 - before.half),
+               static_cast<float>(j - before.half),
+               static_cast<float>(s.gain),
+               static_cast<float>(s.gain * s.slope_x),
+               static_cast<float>(s.gain * s.slope_y),
+               static_cast<float>(s.ground_gain),
+               static_cast<float>(ground.mean()),
+               1.0F,
+               static_cast<float>(passed),
+               static_cast<float>(trim * trim),
+               static_cast<float>(before.blend),
+               i1 - i0},
+              to);
+    }
+  };
+  parallel_for(static_cast<std::size_t>((size + kBand - 1) / kBand), threads,
+               [&](std::size_t band, std::size_t) {
+                 const int first = static_cast<int>(band) * kBand;
+                 for (const KeptWindow* window : windows) add(*window, first, std::min(size, first + kBand));
+               });
+  return sums;
+}
+
 }  // namespace
 
 Picture blurred_rim(int half, double radius, double blur) {
@@ -46,12 +155,9 @@ Picture blurred_rim(int half, double radius, double blur) {
 
 PartPictures learn_pictures(const PartPictures& before, const GroundPicture& ground, WindowSpan windows,
                             bool trim, double noise_variance, const Picture& prior_share, int threads) {
-  PartTileSums tiles(before, ground);
-  tiles.add(windows, trim ? kTrim : std::numeric_limits<double>::infinity(), threads);
-  std::array<Picture, kPartSums> sums;
-  for (int k = 0; k < kPartSums; ++k)
-    sums[static_cast<std::size_t>(k)] = tiles.picture(static_cast<PartSum>(k));
-  const auto at = [&](PartSum sum, std::size_t i) { return static_cast<double>(sums[sum].levels()[i]); };
+  const SumPictures sums =
+      sums_over(windows, before, ground, trim ? kTrim : std::numeric_limits<double>::infinity(), threads);
+  const auto at = [&](Sum sum, std::size_t i) { return static_cast<double>(sums[sum].levels()[i]); };
   PartPictures out = before;
   double widest = noise_variance;
   std::vector<std::size_t> unseen;
