@@ -15,7 +15,7 @@
 #include "vision/camera/pixels.h"
 #include "vision/coding/coded_errors.h"
 #include "vision/coding/rim_coding.h"
-#include "vision/edge/chamfer.h"
+#include "vision/edge/radius.h"
 #include "vision/edge/stage.h"
 #include "vision/layers/stage.h"
 #include "vision/rotation/rotation_track.h"
@@ -291,16 +291,16 @@ void Tracking::measure_radius() {
   summary.outer_radius = summary.disc.radius;
   summary.outer_radius_sd = summary.disc_radius_sd;
   if (!(summary.disc_blur > 0)) return;
-  double common_sd = 0;
-  if (const auto mean = first_pass_->radius()) {
-    summary.disc.radius = mean->radius;
-    summary.disc_radius_sd = mean->sd;
-    common_sd = mean->common_sd;
-  }
   std::vector<FirstPassFrame> seen;
   for (std::size_t k = 0; k < result_.track.points.size(); ++k)
     if (const TrackPoint& p = result_.track.points[k]; p.status == TrackStatus::ok)
       seen.push_back({start_ + static_cast<std::int64_t>(k), {p.x, p.y}, {}});
+  double common_sd = 0;
+  if (const auto mean = seen_edge(frames(), seen, summary.disc.radius)) {
+    summary.disc.radius = mean->circle.radius;
+    summary.disc_radius_sd = mean->radius_sd;
+    common_sd = mean->common_sd;
+  }
   std::optional<double> chamfer;
   if (options_.chamfer) chamfer = *options_.chamfer * summary.disc.radius;
   const OuterEdge edge = outer_edge(frames(), seen, summary.disc.radius, summary.disc_blur,

@@ -18,9 +18,9 @@ constexpr double kCurvedRadius = 12;     ///< px; smaller discs have too few pix
 constexpr double kCurvedMeanRadius = 7;  ///< px; likewise for the mean radius
 constexpr double kSectorRadius = 5;      ///< px; smaller rims have too few pixels for sectors
 constexpr int kRounds = 4;               ///< of weights, the first all alike
-constexpr int kRoundsFromNear = 2;       ///< where the start already yields the weights
-constexpr int kSteps = 25;               ///< for given weights, at most
-constexpr double kTukey = 6;             ///< sd: what is further off does not count
+constexpr double kOnTheWay = 1e-3, kTolerance = 1e-5;  ///< px: the last step of a round, of the last one
+constexpr int kSteps = 25;                             ///< for given weights, at most
+constexpr double kTukey = 6;                           ///< sd: what is further off does not count
 
 /// The model at a pixel and, if wanted, its slopes.
 double rim_model(const RimParameters& p, double x, double y, RimParameters* slope) {
@@ -200,17 +200,14 @@ double rim_band(const RimParameters& p, bool curved) {
   return curved ? std::max(band, std::min(std::clamp(6.5 * p(3), 5.5, 30.0), 0.35 * p(2))) : band;
 }
 
-RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved, const RimFitOptions& options) {
+RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved) {
   RimFit fit;
   fit.p = start;
-  double damping = options.damping;
+  double damping = 1e-3;
   RimCovariance normal;
   Influence influence;
-  const int rounds = options.from_near ? kRoundsFromNear : kRounds;
-  if (options.from_near) weigh(rim_residuals(fit.p, pixels), pixels);
-  for (int round = 0; round < rounds; ++round) {
-    normal =
-        settle(fit.p, pixels, curved, round + 1 < rounds ? options.on_the_way : options.tolerance, damping);
+  for (int round = 0; round < kRounds; ++round) {
+    normal = settle(fit.p, pixels, curved, round + 1 < kRounds ? kOnTheWay : kTolerance, damping);
     influence = weigh(rim_residuals(fit.p, pixels), pixels);
   }
   fit.residual_rms = std::sqrt(influence.weighted_square / std::max(1.0, influence.weight - kRimParameters));
