@@ -111,7 +111,8 @@ std::optional<Circle> FirstPass::mark() const {
 }
 
 FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
-  FollowStep step = timed(clock_, Stage::part, [&] { return part_.step(source_, index, audited_.wanted()); });
+  FollowStep step =
+      timed(clock_, Stage::part, [&] { return part_.step(source_, index, in_audit(audited_, index)); });
   if (step.confirms_previous && tentative_) {
     fill(track_.points.back(), *tentative_);
     result_.theta.back() = tentative_->pose.theta;
@@ -131,9 +132,8 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
   if (!ok) return step;
   fill(point, *step.sighting);
   if (!step.sighting->by_rim) excess_.push_back(step.sighting->excess_rms);
-  std::optional<AuditFrame> audited;
-  if (step.sighting->halves) audited = {index, *step.sighting->halves, step.sighting->covariance};
-  audited_.seen(audited);
+  if (step.sighting->halves)
+    result_.audited.push_back({index, *step.sighting->halves, step.sighting->covariance});
   return step;
 }
 
@@ -205,7 +205,6 @@ Track FirstPass::finish(TrackSummary& summary) {
     if (still) summary.gate_passed = false;
   }
   result_.excess = median(excess_);
-  result_.audited = audited_.frames();
   return std::move(track_);
 }
 

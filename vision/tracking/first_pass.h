@@ -61,7 +61,7 @@ class FirstPass {
   std::optional<GroundSampler> glance_;  ///< at the ground: does it move?
   Point last_seen_;                      ///< the part
   std::optional<GateLamp> lamp_;
-  AuditSample audited_;  ///< frames whose halves are compared
+  std::vector<AuditRun> audited_;  ///< frames whose halves are compared
   FirstPassResult result_;
 
   Track track_;
