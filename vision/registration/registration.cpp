@@ -36,7 +36,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   int whole_x = static_cast<int>(std::lround(start.dx));
   int whole_y = static_cast<int>(std::lround(start.dy));
   Pose fraction{start.dx - whole_x, start.dy - whole_y, start.theta};
-  if (!take_picture(picture, x, y, whole_x, whole_y, fraction.theta)) return out;
+  if (!take_picture(picture, x, y, whole_x, whole_y)) return out;
   sample_template(fraction, true);
   Pose formed = fraction;  // where the derivatives belong to
   Matrix normal = normal_matrix();
@@ -82,22 +82,12 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
       whole_y += sy;
       fraction.dx -= sx;
       fraction.dy -= sy;
-      if (!take_picture(picture, x, y, whole_x, whole_y, fraction.theta)) return out;
+      if (!take_picture(picture, x, y, whole_x, whole_y)) return out;
       trimmed = false;
     }
     const bool re_form = re_centre || std::hypot(fraction.dx - formed.dx, fraction.dy - formed.dy) > 0.15 ||
                          std::abs(fraction.theta - formed.theta) * pattern_.reach() > 0.5;
-    // Turned, each pixel has a fraction of its own, which takes time; a little way levels move along their
-    // slopes. Those are of the pose they were formed at, `away` from here: what they err by over a step is
-    // below the tolerance where they change by less than a third over a pixel.
-    const double away = std::max(std::hypot(fraction.dx - formed.dx, fraction.dy - formed.dy),
-                                 std::abs(fraction.theta - formed.theta) * pattern_.reach());
-    const bool along_slopes =
-        options_.rotation && !re_form && std::max(brake * length, turn_px) * away < 3 * options_.tolerance_px;
-    if (along_slopes && !settled)
-      move_levels(brake * move_x, brake * move_y, turn);
-    else if (re_form || !settled)
-      sample_template(fraction, re_form);
+    if (re_form || !settled) sample_template(fraction, re_form);
     if (settled && !trimmed) {
       last = sums_now();
       trimmed_count = trim(*last, gain, offset, noise_sd);
@@ -156,7 +146,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
 double TemplateRegistration::score(const Picture& picture, int x, int y, const Pose& pose) {
   const int whole_x = static_cast<int>(std::lround(pose.dx));
   const int whole_y = static_cast<int>(std::lround(pose.dy));
-  if (!take_picture(picture, x, y, whole_x, whole_y, pose.theta)) return 0;
+  if (!take_picture(picture, x, y, whole_x, whole_y)) return 0;
   sample_template({pose.dx - whole_x, pose.dy - whole_y, pose.theta}, false);
   return correlation();
 }

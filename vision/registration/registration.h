@@ -102,9 +102,7 @@ class TemplateRegistration {
   void choose_pixels();
   void sample_template(const Pose& fraction, bool slopes);
   void sample_turned(const Pose& fraction, bool slopes);
-  void move_levels(double x, double y, double turn);
-  float turned_weight(int x, int y, double c, double s) const;
-  bool take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y, double theta);
+  bool take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y);
   Matrix normal_matrix() const;
   Matrix filled(const NormalSums& sums) const;
   Matrix debiased(const Matrix& normal, const Pose& fraction) const;
@@ -124,7 +122,6 @@ class TemplateRegistration {
   float pivot_ = 0;                      ///< mean level of the template
   double contrast_ = 0;                  ///< its standard deviation
   static constexpr int kFractions = 16;  ///< table of interpolation noise
-  bool gaps_ = false;                    ///< the mask has holes that turn with the template
   double pixels_ = 0;                    ///< number of pixels that take part
   double template_noise_cost_ = 0;
   Eigen::Matrix2d limit_ = Eigen::Matrix2d::Zero();

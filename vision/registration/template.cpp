@@ -6,18 +6,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "vision/kernels/vector_kernels.h"
 #include "vision/registration/pattern.h"
 
 namespace tribotrack::vision {
 namespace {
 
 constexpr int kBorder = 12;  ///< context of the spline around the template, px
-
-TRIBOTRACK_CLONES void add_slopes(const float* of_x, const float* of_y, const float* of_theta,
-                                  std::size_t count, float x, float y, float theta, float* value) {
-  for (std::size_t k = 0; k < count; ++k) value[k] += x * of_x[k] + y * of_y[k] + theta * of_theta[k];
-}
 
 }  // namespace
 
@@ -41,8 +35,6 @@ TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& 
     for (int x = 0; x < w.width; ++x) {
       const float level = first.at(w.x + x, w.y + y);
       levels_.at(x, y) = level;
-      const double rho = std::hypot(w.x + x - pattern.centre.x, w.y + y - pattern.centre.y);
-      if (pattern.weights.at(x, y) == 0 && rho < pattern.radius + 2) gaps_ = true;
       if (pattern.weights.at(x, y) > 0) {
         ++pixels_;
         sum += level;
@@ -57,7 +49,7 @@ TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& 
   choose_pixels();
   const bool rotation = options_.rotation;
   options_.rotation = false;
-  take_picture(levels_, w.x, w.y, 0, 0, 0);
+  take_picture(levels_, w.x, w.y, 0, 0);
   sample_template({}, true);
   const Matrix normal = normal_matrix(), honest = debiased(normal, {});
   limit_ = options_.noise_variance * inverse_of(Eigen::MatrixXd(honest)).topLeftCorner<2, 2>();
@@ -142,12 +134,6 @@ void TemplateRegistration::sample_turned(const Pose& fraction, bool slopes) {
   }
 }
 
-/// T at a pose a little further, by its slopes.
-void TemplateRegistration::move_levels(double x, double y, double turn) {
-  add_slopes(arrays_.slope_x.data(), arrays_.slope_y.data(), arrays_.slope_theta.data(), mask_.size(),
-             static_cast<float>(-x), static_cast<float>(-y), static_cast<float>(turn), arrays_.value.data());
-}
-
 Picture TemplateRegistration::at(const Pose& pose, const Rect& window) const {
   Picture out(window.width, window.height);
   const double c = std::cos(pose.theta);
@@ -175,26 +161,10 @@ Picture TemplateRegistration::chosen() const {
 
 // TemplateRegistration, picture: grey levels and weights under the template at a pose.
 
-/// Weight of the template pixel that lies under pixel (x, y) of the window once the template is turned.
-float TemplateRegistration::turned_weight(int x, int y, double c, double s) const {
-  const Rect& w = pattern_.window;
-  const double rx = x + w.x - pattern_.centre.x;
-  const double ry = y + w.y - pattern_.centre.y;
-  const int u = static_cast<int>(std::lround(pattern_.centre.x + c * rx - s * ry)) - w.x;
-  const int v = static_cast<int>(std::lround(pattern_.centre.y + s * rx + c * ry)) - w.y;
-  const bool inside = u >= 0 && v >= 0 && u < w.width && v < w.height;
-  return inside ? std::min(pattern_.weights.at(u, v), pattern_.radius > 0 ? 1.0F : pattern_.weights.at(x, y))
-                : 0.0F;
-}
-
 /// Grey levels under the tiles moved by whole pixels; weight 0 outside the picture. False where less than
 /// half of the mask is covered.
-bool TemplateRegistration::take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y,
-                                        double theta) {
+bool TemplateRegistration::take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y) {
   const Rect& w = pattern_.window;
-  const bool turned = gaps_ && options_.rotation && theta != 0;
-  const double c = std::cos(theta);
-  const double s = std::sin(theta);
   if (!whole_mask_) base_weight_ = mask_;
   bool all_inside = true;
   for (std::size_t t = 0; t < places_.size(); ++t) {
@@ -217,17 +187,13 @@ bool TemplateRegistration::take_picture(const Picture& picture, int x, int y, in
           if (!seen) weight[i] = 0;
         }
       }
-      if (turned)
-        for (int i = 0; i < kTile; ++i)
-          if (weight[i] > 0) weight[i] = turned_weight(places_[t].x + i, places_[t].y + j, c, s);
     }
   }
   // What the frame before changed: mostly nothing.
-  const bool whole = all_inside && !turned;
-  if (trimmed_ || !whole || !whole_mask_) arrays_.weight = base_weight_;
+  if (trimmed_ || !all_inside || !whole_mask_) arrays_.weight = base_weight_;
   trimmed_ = false;
-  whole_mask_ = whole;
-  if (whole) return true;
+  whole_mask_ = all_inside;
+  if (all_inside) return true;
   double covered = 0;
   for (const float weight : base_weight_) covered += weight;
   return covered > 0.5 * pixels_;
