@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
-#include "vision/platform_motion/noise_free.h"
+#include "vision/platform_motion/coarse_shift.h"
 #include "vision/platform_motion/registration.h"
 
 namespace tribotrack::vision {
@@ -86,41 +87,24 @@ void add(const Placed& placed, std::size_t f, const Rect& place, const GroundFie
   }
 }
 
+cv::Mat matrix_of(Picture& p) {
+  return {p.height(), p.width(), CV_32F, p.levels().data()};
+}
+
 /// Mean over 5 x 5 places of what is known: a variance from a hundred frames scatters by a seventh.
-Picture smoothed(const Picture& variance, const Picture& seen) {
-  constexpr int kReach = 2;
-  const int w = variance.width(), h = variance.height();
-  Picture rows(w, h), counts(w, h), out(w, h);
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x)
-      for (int k = std::max(0, x - kReach); k <= std::min(w - 1, x + kReach); ++k)
-        if (seen.at(k, y) > 0) {
-          rows.at(x, y) += variance.at(k, y);
-          counts.at(x, y) += 1;
-        }
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      float sum = 0, count = 0;
-      for (int k = std::max(0, y - kReach); k <= std::min(h - 1, y + kReach); ++k) {
-        sum += rows.at(x, k);
-        count += counts.at(x, k);
-      }
-      out.at(x, y) = count > 0 ? sum / count : 0;
-    }
-  return out;
+void smooth(Picture& variance, Picture& seen) {
+  const cv::Size around(5, 5);
+  cv::Mat known, count, sum, of = matrix_of(variance);
+  cv::threshold(matrix_of(seen), known, 0, 1, cv::THRESH_BINARY);
+  cv::boxFilter(known, count, -1, around, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::boxFilter(of.mul(known), sum, -1, around, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::Mat(sum / cv::max(count, 1)).copyTo(of);
 }
 
 /// 0 beside what is not known, too: slopes there are half a guess.
-Picture well_inside(const Picture& seen) {
-  Picture out = seen;
-  const int w = seen.width(), h = seen.height();
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      if (seen.at(x, y) > 0) continue;
-      for (int v = std::max(0, y - kBorder); v <= std::min(h - 1, y + kBorder); ++v)
-        for (int u = std::max(0, x - kBorder); u <= std::min(w - 1, x + kBorder); ++u) out.at(u, v) = 0;
-    }
-  return out;
+void shrink(Picture& seen) {
+  cv::Mat of = matrix_of(seen);
+  cv::erode(of, of, cv::Mat::ones(2 * kBorder + 1, 2 * kBorder + 1, CV_8U));
 }
 
 GroundField field_from(const Rect& place, const FieldSums& sums, float frames, const GroundField* before,
@@ -147,8 +131,8 @@ GroundField field_from(const Rect& place, const FieldSums& sums, float frames, c
   field.quiet = known > 0
                     ? noise_free(field.mean, field.seen, left / known, before ? &before->quiet : nullptr)
                     : field.mean;
-  field.variance = smoothed(field.variance, field.seen);
-  field.seen = well_inside(field.seen);
+  smooth(field.variance, field.seen);
+  shrink(field.seen);
   return field;
 }
 

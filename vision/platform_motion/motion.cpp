@@ -9,7 +9,6 @@
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
-#include "vision/platform_motion/fields.h"
 #include "vision/platform_motion/registration.h"
 
 namespace tribotrack::vision {
@@ -17,11 +16,10 @@ namespace {
 
 constexpr double kMostFloats = 32e6;  ///< of frames kept for the learning: 128 MB
 constexpr int kFewestFrames = 12;
-constexpr int kMargin = 8;             ///< px about a field: the start's error, the spline's reach
-constexpr double kWorstLimit = 1;      ///< px: slopes do not locate a ground that is known worse
-constexpr double kMotion = 4;          ///< times what noise explains, in squares: twice the sd
-constexpr double kInformation = 0.98;  ///< used of what the ground holds: costs a hundredth of the sd
-constexpr double kLeastScore = 0.5;    ///< of the usual one: less, and it is not the ground
+constexpr int kMargin = 8;           ///< px about a field: the start's error, the spline's reach
+constexpr double kWorstLimit = 1;    ///< px: slopes do not locate a ground that is known worse
+constexpr double kMotion = 4;        ///< times what noise explains, in squares: twice the sd
+constexpr double kLeastScore = 0.5;  ///< of the usual one: less, and it is not the ground
 
 Rect moved_window(const Rect& field, const Point& by, const Rect& bounds) {
   if (field.width == bounds.width && field.height == bounds.height) return bounds;
@@ -125,11 +123,7 @@ class GroundFollower {
  public:
   GroundFollower(FrameSource& source, std::int64_t first, const GroundMotionOptions& options,
                  const LearntGround& learnt)
-      : source_(source),
-        options_(options),
-        learnt_(learnt),
-        registration_(learnt.ground, kInformation),
-        first_(first) {
+      : source_(source), options_(options), learnt_(learnt), registration_(learnt.ground), first_(first) {
     registration_.set_excess(learnt.excess);
     for (const GroundField& f : learnt.ground.fields) fields_.push_back(f.place);
   }
@@ -167,6 +161,58 @@ class GroundFollower {
   GroundFrame frame_;
   std::optional<Point> last_, before_;
 };
+
+constexpr int kField = 128;
+
+bool in_any(const std::vector<Circle>& circles, int x, int y) {
+  return std::ranges::any_of(circles,
+                             [&](const Circle& c) { return std::hypot(x - c.x, y - c.y) <= c.radius + 1; });
+}
+
+/// A central difference of white noise has half its variance.
+double information(const Picture& p, const Rect& r, std::vector<Circle> hidden, double noise_variance) {
+  std::erase_if(hidden, [&](const Circle& c) {
+    return c.x + c.radius + 1 < r.x || c.x - c.radius - 1 > r.x + r.width || c.y + c.radius + 1 < r.y ||
+           c.y - c.radius - 1 > r.y + r.height;
+  });
+  double xx = 0, xy = 0, yy = 0, n = 0;
+  for (int y = std::max(1, r.y); y < std::min(p.height() - 1, r.y + r.height); ++y)
+    for (int x = std::max(1, r.x); x < std::min(p.width() - 1, r.x + r.width); ++x) {
+      if (!hidden.empty() && in_any(hidden, x, y)) continue;
+      ++n;
+      const double gx = 0.5 * (p.at(x + 1, y) - p.at(x - 1, y));
+      const double gy = 0.5 * (p.at(x, y + 1) - p.at(x, y - 1));
+      xx += gx * gx;
+      xy += gx * gy;
+      yy += gy * gy;
+    }
+  const double smaller = 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy);
+  return smaller - 0.5 * noise_variance * n;
+}
+
+/// The whole picture, or of a large one the fields of 128 x 128 px with the most information: the smaller
+/// eigenvalue of sum grad f grad f^T beyond the noise. What lies over the ground (`hidden`) tells nothing of
+/// it, strong as its edges are.
+std::vector<Rect> ground_fields(const Picture& first, const std::vector<Circle>& hidden,
+                                double noise_variance, int most_pixels) {
+  const Rect whole{0, 0, first.width(), first.height()};
+  if (whole.width * whole.height <= most_pixels) return {whole};
+  std::vector<std::pair<double, Rect>> fields;
+  for (int y = 0; y < whole.height; y += kField)
+    for (int x = 0; x < whole.width; x += kField) {
+      const Rect r{x, y, std::min(kField, whole.width - x), std::min(kField, whole.height - y)};
+      fields.emplace_back(information(first, r, hidden, noise_variance), r);
+    }
+  std::ranges::stable_sort(fields, std::greater<>(), &std::pair<double, Rect>::first);
+  std::vector<Rect> chosen;
+  int pixels = 0;
+  for (const auto& [information, r] : fields) {
+    if (pixels + r.width * r.height > most_pixels) break;
+    pixels += r.width * r.height;
+    chosen.push_back(r);
+  }
+  return chosen;
+}
 
 }  // namespace
 
@@ -229,59 +275,6 @@ GroundMotion follow_ground(FrameSource& source, std::int64_t first, std::int64_t
   for (std::int64_t index = first; index <= last; ++index) motion.frames.push_back(follower.step(index));
   motion.ground = std::move(learnt->ground);
   return motion;
-}
-
-namespace {
-
-constexpr int kField = 128;
-
-bool in_any(const std::vector<Circle>& circles, int x, int y) {
-  return std::ranges::any_of(circles,
-                             [&](const Circle& c) { return std::hypot(x - c.x, y - c.y) <= c.radius + 1; });
-}
-
-/// A central difference of white noise has half its variance.
-double information(const Picture& p, const Rect& r, std::vector<Circle> hidden, double noise_variance) {
-  std::erase_if(hidden, [&](const Circle& c) {
-    return c.x + c.radius + 1 < r.x || c.x - c.radius - 1 > r.x + r.width || c.y + c.radius + 1 < r.y ||
-           c.y - c.radius - 1 > r.y + r.height;
-  });
-  double xx = 0, xy = 0, yy = 0, n = 0;
-  for (int y = std::max(1, r.y); y < std::min(p.height() - 1, r.y + r.height); ++y)
-    for (int x = std::max(1, r.x); x < std::min(p.width() - 1, r.x + r.width); ++x) {
-      if (!hidden.empty() && in_any(hidden, x, y)) continue;
-      ++n;
-      const double gx = 0.5 * (p.at(x + 1, y) - p.at(x - 1, y));
-      const double gy = 0.5 * (p.at(x, y + 1) - p.at(x, y - 1));
-      xx += gx * gx;
-      xy += gx * gy;
-      yy += gy * gy;
-    }
-  const double smaller = 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy);
-  return smaller - 0.5 * noise_variance * n;
-}
-
-}  // namespace
-
-std::vector<Rect> ground_fields(const Picture& first, const std::vector<Circle>& hidden,
-                                double noise_variance, int most_pixels) {
-  const Rect whole{0, 0, first.width(), first.height()};
-  if (whole.width * whole.height <= most_pixels) return {whole};
-  std::vector<std::pair<double, Rect>> fields;
-  for (int y = 0; y < whole.height; y += kField)
-    for (int x = 0; x < whole.width; x += kField) {
-      const Rect r{x, y, std::min(kField, whole.width - x), std::min(kField, whole.height - y)};
-      fields.emplace_back(information(first, r, hidden, noise_variance), r);
-    }
-  std::ranges::stable_sort(fields, std::greater<>(), &std::pair<double, Rect>::first);
-  std::vector<Rect> chosen;
-  int pixels = 0;
-  for (const auto& [information, r] : fields) {
-    if (pixels + r.width * r.height > most_pixels) break;
-    pixels += r.width * r.height;
-    chosen.push_back(r);
-  }
-  return chosen;
 }
 
 }  // namespace tribotrack::vision

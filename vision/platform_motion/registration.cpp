@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/informative_pixels.h"
@@ -46,10 +45,9 @@ bool touches(const Rect& tile, const Circle& c) {
 
 }  // namespace
 
-GroundRegistration::GroundRegistration(const Ground& ground, double share) : ground_(ground) {
+GroundRegistration::GroundRegistration(const Ground& ground) : ground_(ground) {
   for (std::size_t f = 0; f < ground.fields.size(); ++f) add_blocks(f);
   sample({0, 0});
-  keep_informative(share);
   double squares = 0, weight = 0;
   for (Block& b : blocks_) {
     b.shown = b.arrays.weight = b.weight;
@@ -59,14 +57,6 @@ GroundRegistration::GroundRegistration(const Ground& ground, double share) : gro
     weight += sums.weight;
   }
   texture_ = weight > 0 ? std::sqrt(std::max(0.0, squares / weight)) : 0;
-}
-
-void GroundRegistration::Block::make_room() {
-  corners.resize(tiles.size());
-  arrays.tiles = tiles.size();
-  for (auto* v : {&arrays.value, &arrays.slope_x, &arrays.slope_y, &arrays.slope_theta, &arrays.level})
-    v->resize(weight.size());
-  shown = arrays.weight = weight;
 }
 
 void GroundRegistration::add_blocks(std::size_t field) {
@@ -83,54 +73,13 @@ void GroundRegistration::add_blocks(std::size_t field) {
             const bool known = x < f.place.width && y < f.place.height && f.seen.at(x, y) > 0;
             b.weight.push_back(known ? 1 / f.variance.at(x, y) : 0);
           }
-      b.make_room();
+      b.corners.resize(b.tiles.size());
+      b.arrays.tiles = b.tiles.size();
+      for (auto* v :
+           {&b.arrays.value, &b.arrays.slope_x, &b.arrays.slope_y, &b.arrays.slope_theta, &b.arrays.level})
+        v->resize(b.weight.size());
       blocks_.push_back(std::move(b));
     }
-}
-
-/// A tile's share of what is known: the trace of its own normal matrix in units of that of all.
-void GroundRegistration::keep_informative(double share) {
-  if (share >= 1) return;
-  Eigen::Matrix2d all = Eigen::Matrix2d::Zero();
-  struct Entry {
-    double information = 0;
-    std::size_t block = 0, tile = 0;
-    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-  };
-  std::vector<Entry> entries;
-  for (std::size_t b = 0; b < blocks_.size(); ++b)
-    for (std::size_t t = 0; t < blocks_[b].tiles.size(); ++t) {
-      Entry e{0, b, t};
-      for (std::size_t i = t * kTilePixels; i < (t + 1) * kTilePixels; ++i) {
-        const Eigen::Vector2d slope(blocks_[b].arrays.slope_x[i], blocks_[b].arrays.slope_y[i]);
-        e.normal += static_cast<double>(blocks_[b].weight[i]) * slope * slope.transpose();
-      }
-      all += e.normal;
-      entries.push_back(e);
-    }
-  if (!(all.determinant() > 0)) return;
-  const Eigen::Matrix2d unit = all.inverse();
-  for (Entry& e : entries) e.information = 0.5 * (unit * e.normal).trace();
-  std::ranges::stable_sort(entries, std::greater<>(), &Entry::information);
-  double kept = 0;
-  std::size_t count = 0;
-  while (count < entries.size() && kept < share) kept += entries[count++].information;
-  entries.resize(count);
-  std::ranges::sort(entries, {}, [](const Entry& e) { return std::pair(e.block, e.tile); });
-  std::vector<Block> chosen;
-  std::size_t of = blocks_.size();
-  for (const Entry& e : entries) {
-    const Block& from = blocks_[e.block];
-    if (e.block != of) chosen.emplace_back().field = from.field;
-    of = e.block;
-    Block& to = chosen.back();
-    to.tiles.push_back(from.tiles[e.tile]);
-    const auto first = from.weight.begin() + static_cast<std::ptrdiff_t>(e.tile * kTilePixels);
-    to.weight.insert(to.weight.end(), first, first + kTilePixels);
-  }
-  for (Block& b : chosen) b.make_room();
-  blocks_ = std::move(chosen);
-  sample({0, 0});
 }
 
 /// Grey levels under the ground moved by whole pixels. False where too little of it is seen.
@@ -203,18 +152,15 @@ std::size_t GroundRegistration::trim(const Fit& fit) {
     // Sums of w value, w and w level.
     if (!(b.sums[12] > 0)) continue;
     const auto offset = static_cast<float>((b.sums[13] - fit.solution(2) * b.sums[10]) / b.sums[12]);
-    outliers_.resize(b.shown.size());
-    bool any = false;
+    std::vector<unsigned char> outliers(b.shown.size());
     for (std::size_t i = 0; i < b.shown.size(); ++i) {
       const float r = b.arrays.level[i] - gain * b.arrays.value[i] - offset;
-      outliers_[i] = b.shown[i] * r * r > limit;
-      any |= outliers_[i] != 0;
+      outliers[i] = b.shown[i] * r * r > limit;
     }
     b.arrays.weight = b.shown;
-    if (!any) continue;
-    spread_outliers(b.tiles, kOutlierEdge, outliers_);
+    if (spread_outliers(b.tiles, kOutlierEdge, outliers) == 0) continue;
     for (std::size_t i = 0; i < b.shown.size(); ++i)
-      if (outliers_[i] != 0 && b.shown[i] > 0) {
+      if (outliers[i] != 0 && b.shown[i] > 0) {
         b.arrays.weight[i] = 0;
         ++count;
       }
