@@ -1,7 +1,5 @@
 #include "vision/tracker.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -99,7 +97,6 @@ class Tracking {
   void measure_layers();
   void measure_edge();
   void follow_rotation();
-  void decline_for_coding(LayeredOutcome& layers, const Track& measured) const;
   void audit_track();
   void allow_for_coding();
   void measure_radius();
@@ -199,7 +196,6 @@ void Tracking::measure_layers() {
   if (recording_.info().coder) first_track_ = result_.track;
   LayeredOutcome layers = layered_stage(frames(), first, options_, shown, clock_, measured);
   TrackSummary& summary = result_.summary;
-  if (layers.done && recording_.info().coder) decline_for_coding(layers, measured);
   add(summary.plan, layers.plan);
   summary.layered = layers.done;
   if (!layers.done && options_.layers == Layers::on)
@@ -238,24 +234,6 @@ void Tracking::measure_edge() {
 void Tracking::follow_rotation() {
   const auto running = clock_.enter(Stage::rotation);
   measure_rotation(frames(), first_pass_->result(), result_.track, result_.summary.plan, options_.threads);
-}
-
-/// Pictures learnt from a coded recording hold the part back where it moves little (coded_errors.h).
-void Tracking::decline_for_coding(LayeredOutcome& layers, const Track& measured) const {
-  const double differ = error_of_difference(measured, result_.track);
-  const double layered = std::hypot(predicted_error(measured, layers.audited), differ);
-  const double first = predicted_error(result_.track, first_pass_->result().audited);
-  if (!(differ > 0) || !(first < layered)) return;
-  PlanStage stage = layers.plan.front();
-  stage.on = false;
-  stage.error_bound_px = std::nullopt;
-  stage.reason = fmt::format(
-      "the recording is coded, and the pictures learnt hold the part back by {:.4f} px rms; predicted "
-      "errors: "
-      "{:.2g} px by the template, {:.2g} px by the pictures learnt; {}",
-      differ, first, layered, stage.reason);
-  layers = {};
-  layers.plan = {std::move(stage)};
 }
 
 /// Of the pass that the positions are from.

@@ -206,14 +206,6 @@ double displacement_differs(const Track& track, const Track& other) {
   return std::abs(share) > 2 * scatter ? share : 0;
 }
 
-double error_of_difference(const Track& track, const Track& other) {
-  const Point middle = mean_position(track);
-  double squares = 0, count = 0;
-  for (const TrackPoint& p : track.points)
-    if (p.status == TrackStatus::ok) squares += square(p.x - middle.x) + square(p.y - middle.y), count += 2;
-  return std::abs(displacement_differs(track, other)) * std::sqrt(squares / std::max(1.0, count));
-}
-
 void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summary) {
   std::map<std::int64_t, char> types;
   for (const WatchedFrame& f : coded.frames) types[f.index] = f.part.type;

@@ -45,9 +45,6 @@ struct CodedTrack {
 /// deviations; 0 else. Over the points that are ok in both.
 double displacement_differs(const Track& track, const Track& other);
 
-/// What that makes of the track's own displacement, px rms of a coordinate.
-double error_of_difference(const Track& track, const Track& other);
-
 /// Widens the covariances of ok points, also by what the halves of frames of one type tell; fills what is
 /// known of the coding.
 void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summary);

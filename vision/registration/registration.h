@@ -80,9 +80,7 @@ class TemplateRegistration {
   /// ZNCC at a pose, nothing refined.
   double score(const Picture& picture, int x, int y, const Pose& pose);
 
-  /// Template grey levels turned by theta about the pattern's centre, on the pattern's own window.
-  Picture turned(double theta) const { return at({0, 0, theta}, pattern_.window); }
-  /// The same at a pose, on a window of the camera.
+  /// Template grey levels at a pose, on a window of the camera.
   Picture at(const Pose& pose, const Rect& window) const;
   /// On the pattern's window: 1 where a pixel takes part, else 0.
   Picture chosen() const;
@@ -92,7 +90,6 @@ class TemplateRegistration {
   /// Same for the rotation alone, see pattern.h.
   double limit_theta() const { return limit_theta_; }
   const Pattern& pattern() const { return pattern_; }
-  const RegistrationOptions& options() const { return options_; }
   /// What the template's own noise adds to the variance of the position, relative to the bound.
   double template_noise_cost() const { return template_noise_cost_; }
 
