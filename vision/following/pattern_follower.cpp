@@ -144,7 +144,6 @@ Pose PatternFollower::pose_at(const Point& position, std::int64_t index) const {
 void PatternFollower::accept(std::int64_t index, const Sighting& sighting) {
   motion_.add(index, sighting.position);
   if (sighting.by_rim) {
-    ++effort_.proved_by_rim;
     if (template_rest_ == 0)
       template_rest_ = template_pause_ = std::min(2 * template_pause_ + 1, kLongestPause);
     else

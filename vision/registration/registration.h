@@ -115,15 +115,13 @@ class TemplateRegistration {
   Pattern pattern_;
   Picture levels_;  ///< of the window
   QuinticSpline spline_;
-  int spline_x_ = 0, spline_y_ = 0;      ///< first pixel of the spline in the first frame
-  float pivot_ = 0;                      ///< mean level of the template
-  double contrast_ = 0;                  ///< its standard deviation
-  static constexpr int kFractions = 16;  ///< table of interpolation noise
-  double pixels_ = 0;                    ///< number of pixels that take part
+  int spline_x_ = 0, spline_y_ = 0;  ///< first pixel of the spline in the first frame
+  float pivot_ = 0;                  ///< mean level of the template
+  double contrast_ = 0;              ///< its standard deviation
+  double pixels_ = 0;                ///< number of pixels that take part
   double template_noise_cost_ = 0;
   Eigen::Matrix2d limit_ = Eigen::Matrix2d::Zero();
   double limit_theta_ = 0;
-  std::vector<InterpolationNoise> noise_gain_;  ///< at fractions k / 16
 
   std::vector<TilePlace> places_;  ///< in the window
   std::vector<float> mask_;        ///< weights of the tiles' pixels, those beyond the window 0

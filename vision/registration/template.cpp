@@ -43,9 +43,6 @@ TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& 
     }
   pivot_ = static_cast<float>(sum / pixels_);
   contrast_ = std::sqrt(std::max(0.0, squares / pixels_ - (sum / pixels_) * (sum / pixels_)));
-  for (int k = 0; k <= kFractions; ++k)
-    noise_gain_.push_back(quintic_noise(static_cast<double>(k) / kFractions));
-
   choose_pixels();
   const bool rotation = options_.rotation;
   options_.rotation = false;
@@ -67,7 +64,7 @@ void TemplateRegistration::choose_pixels() {
                         slope_x.levels().data(), slope_y.levels().data());
   limit_theta_ = rotation_limit(value, pattern_, options_.noise_variance);
   InformativeOptions options;
-  options.noise_square = 2 * template_noise() * noise_gain_[0].slope * noise_gain_[0].value;
+  options.noise_square = 2 * template_noise() * quintic_noise(0).slope * quintic_noise(0).value;
   const Picture mask = informative_pixels(slope_x, slope_y, pattern_.weights, options);
   places_ = cover_with_tiles(mask);
   mask_.assign(places_.size() * kTilePixels, 0.0F);
@@ -204,12 +201,7 @@ bool TemplateRegistration::take_picture(const Picture& picture, int x, int y, in
 /// The noise of the template adds its own slopes to the derivatives: sum (g + e)^2 = sum g^2 + sum e^2.
 TemplateRegistration::Matrix TemplateRegistration::debiased(const Matrix& normal,
                                                             const Pose& fraction) const {
-  const auto gain = [&](double f) {
-    const double t = (f - std::floor(f)) * kFractions;
-    return noise_gain_[static_cast<std::size_t>(std::lround(t))];
-  };
-  const InterpolationNoise nx = gain(-fraction.dx);
-  const InterpolationNoise ny = gain(-fraction.dy);
+  const InterpolationNoise nx = quintic_noise(-fraction.dx), ny = quintic_noise(-fraction.dy);
   Matrix out = normal;
   const double noise = template_noise() * normal(3, 3);  // sum of the weights
   out(0, 0) -= std::min(0.7 * normal(0, 0), noise * nx.slope * ny.value);
@@ -219,14 +211,9 @@ TemplateRegistration::Matrix TemplateRegistration::debiased(const Matrix& normal
 
 /// Noise variance that would explain the present residual, picture and template noisy alike.
 double TemplateRegistration::residual_noise(const ForceSums& sums, const Pose& at, double gain) const {
-  const auto value_gain = [&](double f) {  // continuous, or the iteration could swing between two entries
-    const double t = (f - std::floor(f)) * kFractions;
-    const auto k = std::min(static_cast<std::size_t>(t), static_cast<std::size_t>(kFractions - 1));
-    const double share = t - static_cast<double>(k);
-    return (1 - share) * noise_gain_[k].value + share * noise_gain_[k + 1].value;
-  };
   return sums.squares / std::max(1.0, sums.weight - columns()) /
-         (1 + options_.template_noise_share * gain * gain * value_gain(at.dx) * value_gain(at.dy));
+         (1 + options_.template_noise_share * gain * gain * quintic_noise(at.dx).value *
+                  quintic_noise(at.dy).value);
 }
 
 /// Expectation of sum w J r that is due to the template's noise alone: its slopes (in J, formed at one
