@@ -47,39 +47,19 @@ std::vector<double> way(const std::vector<FirstPassFrame>& frames) {
   return out;
 }
 
-/// Places in `frames` of those to learn from, `most` at most: every other one spread over the time, the rest
-/// over the way, for a part that moves looks different from one at rest (light, coder, blur).
-std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frames, std::size_t most,
-                                        const FirstPassResult& first) {
-  std::vector<std::size_t> spread;
-  if (frames.size() <= most) {
-    spread.resize(frames.size());
-    std::iota(spread.begin(), spread.end(), std::size_t{0});
-    return spread;
-  }
-  spread = spread_in_time(frames, first);
+/// Places in `frames` of those to learn from, `most` at most: even in time and way alike, for a part that
+/// moves looks different from one at rest (light, coder, blur).
+std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frames, std::size_t most) {
   const std::vector<double> gone = way(frames);
-  std::vector<bool> taken(frames.size(), false);
-  const auto in_time = std::min(most / 2, spread.size());
-  for (std::size_t k = 0; k < in_time; ++k)
-    taken[spread[in_time > 1 ? k * (spread.size() - 1) / (in_time - 1) : 0]] = true;
-  // Then the way, and where that has no more frames to give, the time again.
-  std::size_t left = most - static_cast<std::size_t>(std::ranges::count(taken, true));
-  for (std::size_t k = 0, parts = left; k < parts && gone.back() > 0; ++k) {
-    const double at = gone.back() * (static_cast<double>(k) + 0.5) / static_cast<double>(parts);
-    const auto place = static_cast<std::size_t>(std::ranges::lower_bound(gone, at) - gone.begin());
-    if (place >= frames.size() || taken[place]) continue;
-    taken[place] = true;
-    --left;
-  }
-  for (std::size_t k = 0, parts = left; k < parts; ++k) {
-    std::size_t place = (2 * k + 1) * frames.size() / (2 * parts);
-    while (taken[place]) place = (place + 1) % frames.size();
-    taken[place] = true;
-  }
+  const auto progress = [&](std::size_t k) {
+    const double in_time = static_cast<double>(k) / static_cast<double>(frames.size());
+    return gone.back() > 0 ? 0.5 * (in_time + gone[k] / gone.back()) : in_time;
+  };
   std::vector<std::size_t> chosen;
   for (std::size_t k = 0; k < frames.size(); ++k)
-    if (taken[k]) chosen.push_back(k);
+    if (frames.size() <= most ||
+        progress(k) * static_cast<double>(most) >= static_cast<double>(chosen.size()))
+      chosen.push_back(k);
   return chosen;
 }
 
@@ -117,7 +97,7 @@ LearningFrames::LearningFrames(FrameSource& source, const std::vector<FirstPassF
   // The platform's pictures live beside the windows.
   const double room = kKeptBytes - kGroundBytes * area;
   const double most = std::min<double>(kLearningFrames, room / window_bytes);
-  chosen_ = choose_windows(frames, static_cast<std::size_t>(std::max(kFewestWindows, most)), first);
+  chosen_ = choose_windows(frames, static_cast<std::size_t>(std::max(kFewestWindows, most)));
   const double averaged = std::max(kGroundFrames, kGroundPixels / area);
   const std::vector<std::size_t> spread = spread_in_time(frames, first);
   const auto stride =
