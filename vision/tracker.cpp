@@ -247,7 +247,7 @@ void Tracking::allow_for_coding() {
   const auto& coder = recording_.info().coder;
   if (!coder || coding_->frames().empty()) return;
   const auto running = clock_.enter(Stage::audit);
-  CodedTrack coded{.coder = *coder, .frames = coding_->frames(), .first_index = start_, .audited = audited_};
+  CodedTrack coded{.coder = *coder, .frames = coding_->frames(), .first_index = start_};
   const std::int64_t first = coded.frames.front().index;
   const Picture picture = frames().read(first);
   const TrackPoint& at = result_.track.points[static_cast<std::size_t>(first - start_)];
