@@ -1,9 +1,9 @@
 #include "vision/platform_motion/learning.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
@@ -172,86 +172,69 @@ class Excess {
   double count_ = 0;
 };
 
-/// Two halves of the frames, each registered to the ground learnt from the other: a frame's own noise in the
-/// ground would hold it where it was.
+/// In turn the mean of all and each frame's place in it. A frame's own noise in the mean holds it where it
+/// was taken to lie: rounds go on until that no longer matters.
 class Learning {
  public:
   Learning(const std::vector<GroundFrame>& frames, const std::vector<Rect>& places, double noise_variance)
       : frames_(frames), places_(places), noise_variance_(noise_variance), fixes_(frames.size()) {
     for (const GroundFrame& f : frames) placed_.push_back(Placed{&f, f.start});
-    for (std::size_t h : {0, 1}) {
-      const Ground all = mean_of(chosen(h, 2), places_, nullptr, noise_variance_);
-      grounds_[h] = mean_of(chosen(h, 2), places_, &all, noise_variance_, kOutlierAtFirst);
-    }
+    const Ground all = mean_of(placed_, places_, nullptr, noise_variance_);
+    ground_ = mean_of(placed_, places_, &all, noise_variance_, kOutlierAtFirst);
   }
 
-  /// One after the other, so that both halves keep to the same grid. How far the frames have moved against
-  /// each other, sd rms.
+  /// How far the frames have moved against each other, sd rms.
   double round() {
+    GroundRegistration registration(ground_);
     excess_ = {};
-    double moved = 0;
-    for (const std::size_t h : {1, 0}) {
-      moved += refine(h, 2, grounds_[1 - h]);
-      grounds_[h] = mean_of(chosen(h, 2), places_, &grounds_[h], noise_variance_);
+    std::vector<Placed> placed;
+    std::vector<Eigen::Vector2d> moves;
+    std::vector<Eigen::Matrix2d> normals;
+    Eigen::Vector2d common = Eigen::Vector2d::Zero();
+    for (std::size_t k = 0; k < frames_.size(); ++k) {
+      const Point from = fixes_[k] ? fixes_[k]->displacement : frames_[k].start;
+      fixes_[k] = registration.refine(frames_[k], from);
+      if (!fixes_[k]) continue;
+      const Point to = fixes_[k]->displacement;
+      excess_.add(registration);
+      placed.push_back({&frames_[k], to, fixes_[k]->gain, fixes_[k]->offset});
+      moves.emplace_back(to.x - from.x, to.y - from.y);
+      normals.push_back(registration.normal());
+      common += moves.back();
     }
-    return std::sqrt(moved / std::max(1.0, 2 * registered()));
+    placed_ = std::move(placed);
+    if (moves.empty()) return 0;
+    ground_ = mean_of(placed_, places_, &ground_, noise_variance_);
+    common /= static_cast<double>(moves.size());  // it moves the grid
+    double squares = 0;
+    for (std::size_t k = 0; k < moves.size(); ++k)
+      squares += (moves[k] - common).dot(normals[k] * (moves[k] - common));
+    return std::sqrt(squares / (2 * static_cast<double>(moves.size())));
   }
 
   bool enough() const {
-    return registered() >= std::max(4.0, kLeastShare * static_cast<double>(frames_.size()));
+    return static_cast<double>(placed_.size()) >=
+           std::max(4.0, kLeastShare * static_cast<double>(frames_.size()));
   }
 
   void finish(LearntGround& out) {
-    out.ground = mean_of(chosen(0, 1), places_, &grounds_[0], noise_variance_);
-    out.texture = GroundRegistration(out.ground).texture();
+    out.texture = GroundRegistration(ground_).texture();
     out.excess = excess_.mean();
-    out.fixes = fixes_;
     std::vector<double> scores;
     for (const auto& fix : fixes_)
       if (fix) scores.push_back(fix->score);
     out.score = median(scores);
+    out.ground = std::move(ground_);
+    out.fixes = std::move(fixes_);
   }
 
  private:
-  std::vector<Placed> chosen(std::size_t first, std::size_t step) const {
-    std::vector<Placed> out;
-    for (std::size_t k = first; k < placed_.size(); k += step)
-      if (placed_[k].frame) out.push_back(placed_[k]);
-    return out;
-  }
-  double registered() const {
-    return static_cast<double>(std::ranges::count_if(fixes_, [](const auto& f) { return f.has_value(); }));
-  }
-  /// The squares of the frames' moves in units of their sd, their common one taken off: it moves the grid.
-  double refine(std::size_t first, std::size_t step, const Ground& ground) {
-    GroundRegistration registration(ground);
-    std::vector<Eigen::Vector2d> moves;
-    std::vector<Eigen::Matrix2d> normals;
-    Eigen::Vector2d common = Eigen::Vector2d::Zero();
-    for (std::size_t k = first; k < frames_.size(); k += step) {
-      const Point from = placed_[k].displacement;
-      fixes_[k] = registration.refine(frames_[k], from);
-      placed_[k].frame = fixes_[k] ? &frames_[k] : nullptr;
-      if (!fixes_[k]) continue;
-      excess_.add(registration);
-      placed_[k] = {&frames_[k], fixes_[k]->displacement, fixes_[k]->gain, fixes_[k]->offset};
-      moves.emplace_back(placed_[k].displacement.x - from.x, placed_[k].displacement.y - from.y);
-      normals.push_back(registration.normal());
-      common += moves.back();
-    }
-    if (!moves.empty()) common /= static_cast<double>(moves.size());
-    double squares = 0;
-    for (std::size_t k = 0; k < moves.size(); ++k)
-      squares += (moves[k] - common).dot(normals[k] * (moves[k] - common));
-    return squares;
-  }
-
   const std::vector<GroundFrame>& frames_;
   const std::vector<Rect>& places_;
   double noise_variance_;
-  std::vector<Placed> placed_;  ///< frame null where it could not be registered
+  std::vector<Placed> placed_;  ///< those that could be registered
   std::vector<std::optional<GroundFix>> fixes_;
-  std::array<Ground, 2> grounds_;
+  Ground ground_;
   Excess excess_;
 };
 
