@@ -91,9 +91,6 @@ class Tracking {
   void check_camera_and_mend();
   void find_first_frame();
   void follow();
-  void follow_from_start();
-  void follow_from(const BetterStart& better);
-  std::optional<BetterStart> better_start();
   void measure_layers();
   void measure_edge();
   void follow_rotation();
@@ -139,38 +136,7 @@ void Tracking::find_first_frame() {
   add(result_.summary.warnings, seen.warning);
 }
 
-/// The first pass; again from a later frame where the first ones show the part covered.
 void Tracking::follow() {
-  follow_from_start();
-  if (const auto better = better_start(); better) follow_from(*better);
-  ask_if_it_rests(frames(), start_, result_.track, first_pass_->result().disc, options_);
-}
-
-/// Kept where the part is seen in more frames.
-void Tracking::follow_from(const BetterStart& better) {
-  const Target target = std::exchange(options_.target, {Target::Kind::disc, better.disc, {}});
-  const std::int64_t start = std::exchange(start_, better.index);
-  TrackResult before = std::exchange(result_, {});
-  std::unique_ptr<FirstPass> pass = std::move(first_pass_);
-  const CodingWatch coding = std::move(*coding_);
-  result_.summary.warnings = {better.warning};
-  follow_from_start();
-  if (result_.summary.ok > before.summary.ok) return;
-  options_.target = target;
-  start_ = start;
-  result_ = std::move(before);
-  first_pass_ = std::move(pass);
-  coding_.emplace(coding);
-}
-
-/// Where most frames are lost once the part has been lost for the first time.
-std::optional<BetterStart> Tracking::better_start() {
-  const auto running = clock_.enter(Stage::finding);
-  if (result_.summary.gate_passed || result_.summary.rests_for_ever) return std::nullopt;
-  return start_after_loss(frames(), start_, result_.track, first_pass_->result().disc, options_);
-}
-
-void Tracking::follow_from_start() {
   cache_first_frames(start_);
   first_pass_ =
       std::make_unique<FirstPass>(frames(), FrameRange{start_, range_.last}, camera_, options_, clock_);
@@ -185,6 +151,7 @@ void Tracking::follow_from_start() {
     if (options_.progress) options_.progress((k + 1) / (options_.layers == Layers::off ? 1 : 2), total);
   }
   result_.track = first_pass_->finish(result_.summary);
+  ask_if_it_rests(frames(), start_, result_.track, first_pass_->result().disc, options_);
 }
 
 /// The second pass, kept where it does better than the first.
