@@ -186,14 +186,20 @@ Eigen::Vector3d SectorFit::fit_circle() {
 RimSectors SectorFit::result() const {
   RimSectors out;
   out.circle = circle_;
-  const double most = std::max(kLeastOff, kOff * unevenness_);
+  const double most = std::max(kLeastOff, kOff * unevenness_), huber = kHuber * unevenness_;
   double seen = 0;
-  for (const Edge& e : edges_) {
-    const bool of_rim = e.seen && std::abs(e.displacement) < most;
-    out.deviation.push_back(of_rim ? static_cast<float>(e.displacement) : 0);
-    out.information.push_back(of_rim ? static_cast<float>(e.information) : 0);
-    seen += of_rim;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(), scatter = normal;
+  for (std::size_t k = 0; k < edges_.size(); ++k) {
+    const Edge& e = edges_[k];
+    const double off = std::abs(e.displacement);
+    if (!e.seen || !(off < most)) continue;
+    ++seen;
+    const Eigen::Matrix3d square = directions_[k] * directions_[k].transpose();
+    normal += e.information * std::min(1.0, huber / std::max(1e-9, off)) * square;
+    scatter += std::max(std::pow(e.information * std::min(huber, off), 2), e.information * squares_) * square;
   }
+  const Eigen::Matrix3d inverse = normal.inverse();
+  out.covariance = (seen / std::max(1.0, seen - 3) * inverse * scatter * inverse).topLeftCorner<2, 2>();
   out.contrast = contrast_;
   out.coverage = seen / count_;
   out.unevenness = unevenness_;
@@ -227,47 +233,8 @@ bool same_rim(const RimSectors& seen, const RimShape& known) {
          seen.unevenness < kUneven * known.unevenness + kUnevenSlack;
 }
 
-RimFix fix_of(const RimSectors& seen, const RimShape& known, double noise_variance) {
-  const int count = static_cast<int>(seen.deviation.size());
-  std::vector<Eigen::Vector3d> rows;
-  std::vector<double> information, off;
-  for (int k = 0; k < count; ++k) {
-    const auto at = static_cast<std::size_t>(k);
-    if (!(seen.information[at] > 0)) continue;
-    const Point u = sector_direction(k, count);
-    rows.emplace_back(u.x, u.y, 1);
-    information.push_back(static_cast<double>(seen.information[at]));
-    off.push_back(static_cast<double>(seen.deviation[at] - known.pattern[at]));
-  }
-  std::vector<double> sizes;
-  for (const double d : off) sizes.push_back(std::abs(d));
-  const double most = kHuber * std::max(1e-6, kNormalMad * median(sizes));
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(), scatter = normal;
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const double weight = information[k] * std::min(1.0, most / std::max(1e-9, std::abs(off[k])));
-    normal += weight * rows[k] * rows[k].transpose();
-    right += weight * off[k] * rows[k];
-  }
-  const Eigen::Matrix3d inverse = normal.inverse();
-  const Eigen::Vector3d step = inverse * right;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const double left = std::min(most, std::abs(off[k] - rows[k].dot(step)));
-    scatter += std::max(std::pow(information[k] * left, 2), information[k] * noise_variance) * rows[k] *
-               rows[k].transpose();
-  }
-  const auto sectors = static_cast<double>(rows.size());
-  const Eigen::Matrix3d covariance = sectors / std::max(1.0, sectors - 3) * inverse * scatter * inverse;
-  return {{seen.circle.x + step(0) + known.offset.x, seen.circle.y + step(1) + known.offset.y},
-          covariance.topLeftCorner<2, 2>()};
-}
-
 RimShape shape_of(const RimSectors& seen, double blur, const Point& centre) {
-  return {seen.circle.radius,
-          blur,
-          seen.unevenness,
-          seen.deviation,
-          {centre.x - seen.circle.x, centre.y - seen.circle.y}};
+  return {seen.circle.radius, blur, seen.unevenness, {centre.x - seen.circle.x, centre.y - seen.circle.y}};
 }
 
 }  // namespace tribotrack::vision

@@ -262,17 +262,15 @@ std::optional<Point> PatternFollower::best_match(const Rect& window) {
 /// Nothing but the rim of the same part will do.
 std::optional<Sighting> PatternFollower::by_rim(const Rect& window, std::int64_t index, const Point& place,
                                                 double reach) {
-  auto rim =
+  const auto rim =
       measure_rim_sectors(picture_, {place.x - window.x, place.y - window.y, rim_->radius}, rim_->blur);
   if (!rim || !same_rim(*rim, *rim_) || rim->correlation < options_.min_ncc) return std::nullopt;
-  rim->circle.x += window.x;
-  rim->circle.y += window.y;
-  const RimFix fix = fix_of(*rim, *rim_, options_.noise_variance);
-  if (distance(fix.centre, place) > reach) return std::nullopt;
+  const Point centre{window.x + rim->circle.x + rim_->offset.x, window.y + rim->circle.y + rim_->offset.y};
+  if (distance(centre, place) > reach) return std::nullopt;
   Sighting s;
-  s.position = fix.centre;
-  s.covariance = fix.covariance;
-  s.pose = pose_at(fix.centre, index);
+  s.position = centre;
+  s.covariance = rim->covariance;
+  s.pose = pose_at(centre, index);
   s.ncc = rim->correlation;
   s.residual_rms = rim->residual_rms;
   s.by_rim = true;
