@@ -28,16 +28,16 @@ struct Placed {
   double gain = 1, offset = 0;
 };
 
-/// Sums over frames at one field's places.
-struct FieldSums {
+/// Sums over frames at the ground's places.
+struct Sums {
   Picture sum, squares, count;
-  explicit FieldSums(const Rect& place)
+  explicit Sums(const Rect& place)
       : sum(place.width, place.height),
         squares(place.width, place.height),
         count(place.width, place.height) {}
 };
 
-/// Where a frame's window covers the field, on the field's own grid.
+/// Where a frame's window covers the ground's place, on its grid.
 Rect covered(const Rect& place, const Rect& window, const Point& p) {
   const int left = std::max(0, static_cast<int>(std::ceil(window.x + kBorder - p.x)) - place.x);
   const int top = std::max(0, static_cast<int>(std::ceil(window.y + kBorder - p.y)) - place.y);
@@ -55,13 +55,12 @@ bool hidden_at(const std::vector<Circle>& hidden, double x, double y) {
 }
 
 /// Deviations from `before`, where there is one: outliers from it are left out.
-void add(const Placed& placed, std::size_t f, const Rect& place, const GroundField* before, float outlier,
-         FieldSums& sums) {
-  const Rect& window = placed.frame->windows[f];
+void add(const Placed& placed, const Rect& place, const Ground* before, float outlier, Sums& sums) {
+  const Rect& window = placed.frame->window;
   const Point& p = placed.displacement;
   const Rect r = covered(place, window, p);
   if (r.width == 0 || r.height == 0) return;
-  const QuinticSpline spline(placed.frame->pictures[f]);
+  const QuinticSpline spline(placed.frame->picture);
   std::vector<float> levels(static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height));
   const double x0 = place.x + r.x + p.x, y0 = place.y + r.y + p.y;
   spline.sample_window(x0 - window.x, y0 - window.y, r.width, r.height, levels.data(), nullptr, nullptr);
@@ -107,53 +106,39 @@ void shrink(Picture& seen) {
   cv::erode(of, of, cv::Mat::ones(2 * kBorder + 1, 2 * kBorder + 1, CV_8U));
 }
 
-GroundField field_from(const Rect& place, const FieldSums& sums, float frames, const GroundField* before,
-                       double noise_variance) {
-  const float fewest = std::max(2.0F, kKnownShare * frames);
-  GroundField field;
-  field.place = place;
-  field.seen = sums.count;
-  field.mean = field.variance = Picture(place.width, place.height);
-  double known = 0, left = 0;
+Ground mean_of(const std::vector<Placed>& frames, const Rect& place, const Ground* before,
+               double noise_variance, float outlier = kOutlier) {
+  Sums sums(place);
+  for (const Placed& p : frames) add(p, place, before, outlier, sums);
+  const float fewest = std::max(2.0F, kKnownShare * static_cast<float>(frames.size()));
+  Ground ground;
+  ground.place = place;
+  ground.seen = sums.count;
+  ground.mean = ground.variance = Picture(place.width, place.height);
+  double known = 0, left = 0, level = 0;
   for (std::size_t i = 0; i < sums.count.levels().size(); ++i) {
     const float n = sums.count.levels()[i];
     if (n < fewest) {
-      field.seen.levels()[i] = 0;
+      ground.seen.levels()[i] = 0;
       continue;
     }
     const double mean = static_cast<double>(sums.sum.levels()[i]) / n;
     const double variance = (static_cast<double>(sums.squares.levels()[i]) - n * mean * mean) / (n - 1);
-    field.mean.levels()[i] = static_cast<float>(mean);
-    field.variance.levels()[i] = static_cast<float>(std::max(variance, noise_variance));
-    left += field.variance.levels()[i] / n;
+    ground.mean.levels()[i] = static_cast<float>(mean);
+    ground.variance.levels()[i] = static_cast<float>(std::max(variance, noise_variance));
+    left += ground.variance.levels()[i] / n;
+    level += mean / static_cast<double>(sums.count.levels().size());
     ++known;
   }
-  field.quiet = known > 0
-                    ? noise_free(field.mean, field.seen, left / known, before ? &before->quiet : nullptr)
-                    : field.mean;
-  smooth(field.variance, field.seen);
-  shrink(field.seen);
-  return field;
-}
-
-Ground mean_of(const std::vector<Placed>& frames, const std::vector<Rect>& places, const Ground* before,
-               double noise_variance, float outlier = kOutlier) {
-  Ground ground;
-  double level = 0;
-  for (std::size_t f = 0; f < places.size(); ++f) {
-    FieldSums sums(places[f]);
-    for (const Placed& p : frames) add(p, f, places[f], before ? &before->fields[f] : nullptr, outlier, sums);
-    ground.fields.push_back(field_from(places[f], sums, static_cast<float>(frames.size()),
-                                       before ? &before->fields[f] : nullptr, noise_variance));
-    const auto levels = ground.fields.back().mean.levels();
-    for (const float l : levels) level += static_cast<double>(l) / static_cast<double>(levels.size());
-  }
-  ground.level = static_cast<float>(level / static_cast<double>(places.size()));
-  for (GroundField& field : ground.fields) {
-    Picture less = field.quiet;
-    for (float& l : less.levels()) l -= ground.level;
-    field.less = QuinticSpline(less);
-  }
+  ground.quiet = known > 0
+                     ? noise_free(ground.mean, ground.seen, left / known, before ? &before->quiet : nullptr)
+                     : ground.mean;
+  smooth(ground.variance, ground.seen);
+  shrink(ground.seen);
+  ground.level = static_cast<float>(level);
+  Picture less = ground.quiet;
+  for (float& l : less.levels()) l -= ground.level;
+  ground.less = QuinticSpline(less);
   return ground;
 }
 
@@ -176,11 +161,11 @@ class Excess {
 /// was taken to lie: rounds go on until that no longer matters.
 class Learning {
  public:
-  Learning(const std::vector<GroundFrame>& frames, const std::vector<Rect>& places, double noise_variance)
-      : frames_(frames), places_(places), noise_variance_(noise_variance), fixes_(frames.size()) {
+  Learning(const std::vector<GroundFrame>& frames, const Rect& place, double noise_variance)
+      : frames_(frames), place_(place), noise_variance_(noise_variance), fixes_(frames.size()) {
     for (const GroundFrame& f : frames) placed_.push_back(Placed{&f, f.start});
-    const Ground all = mean_of(placed_, places_, nullptr, noise_variance_);
-    ground_ = mean_of(placed_, places_, &all, noise_variance_, kOutlierAtFirst);
+    const Ground all = mean_of(placed_, place_, nullptr, noise_variance_);
+    ground_ = mean_of(placed_, place_, &all, noise_variance_, kOutlierAtFirst);
   }
 
   /// How far the frames have moved against each other, sd rms.
@@ -204,7 +189,7 @@ class Learning {
     }
     placed_ = std::move(placed);
     if (moves.empty()) return 0;
-    ground_ = mean_of(placed_, places_, &ground_, noise_variance_);
+    ground_ = mean_of(placed_, place_, &ground_, noise_variance_);
     common /= static_cast<double>(moves.size());  // it moves the grid
     double squares = 0;
     for (std::size_t k = 0; k < moves.size(); ++k)
@@ -230,7 +215,7 @@ class Learning {
 
  private:
   const std::vector<GroundFrame>& frames_;
-  const std::vector<Rect>& places_;
+  Rect place_;
   double noise_variance_;
   std::vector<Placed> placed_;  ///< those that could be registered
   std::vector<std::optional<GroundFix>> fixes_;
@@ -240,10 +225,9 @@ class Learning {
 
 }  // namespace
 
-std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames,
-                                         const std::vector<Rect>& places, double noise_variance,
-                                         int most_rounds) {
-  Learning learning(frames, places, noise_variance);
+std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames, const Rect& place,
+                                         double noise_variance, int most_rounds) {
+  Learning learning(frames, place, noise_variance);
   LearntGround learnt;
   while (learnt.rounds < most_rounds) {
     ++learnt.rounds;

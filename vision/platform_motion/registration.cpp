@@ -46,7 +46,7 @@ bool touches(const Rect& tile, const Circle& c) {
 }  // namespace
 
 GroundRegistration::GroundRegistration(const Ground& ground) : ground_(ground) {
-  for (std::size_t f = 0; f < ground.fields.size(); ++f) add_blocks(f);
+  add_blocks();
   sample({0, 0});
   double squares = 0, weight = 0;
   for (Block& b : blocks_) {
@@ -59,19 +59,19 @@ GroundRegistration::GroundRegistration(const Ground& ground) : ground_(ground) {
   texture_ = weight > 0 ? std::sqrt(std::max(0.0, squares / weight)) : 0;
 }
 
-void GroundRegistration::add_blocks(std::size_t field) {
-  const GroundField& f = ground_.fields[field];
-  for (int top = 0; top < f.place.height; top += kBlock)
-    for (int left = 0; left < f.place.width; left += kBlock) {
+void GroundRegistration::add_blocks() {
+  for (int top = 0; top < ground_.place.height; top += kBlock)
+    for (int left = 0; left < ground_.place.width; left += kBlock) {
       Block b;
-      b.field = field;
-      for (int y = top; y < std::min(top + kBlock, f.place.height); y += kTile)
-        for (int x = left; x < std::min(left + kBlock, f.place.width); x += kTile) b.tiles.push_back({x, y});
+      for (int y = top; y < std::min(top + kBlock, ground_.place.height); y += kTile)
+        for (int x = left; x < std::min(left + kBlock, ground_.place.width); x += kTile)
+          b.tiles.push_back({x, y});
       for (const TilePlace& t : b.tiles)
         for (int y = t.y; y < t.y + kTile; ++y)
           for (int x = t.x; x < t.x + kTile; ++x) {
-            const bool known = x < f.place.width && y < f.place.height && f.seen.at(x, y) > 0;
-            b.weight.push_back(known ? 1 / f.variance.at(x, y) : 0);
+            const bool known =
+                x < ground_.place.width && y < ground_.place.height && ground_.seen.at(x, y) > 0;
+            b.weight.push_back(known ? 1 / ground_.variance.at(x, y) : 0);
           }
       b.corners.resize(b.tiles.size());
       b.arrays.tiles = b.tiles.size();
@@ -85,13 +85,12 @@ void GroundRegistration::add_blocks(std::size_t field) {
 /// Grey levels under the ground moved by whole pixels. False where too little of it is seen.
 bool GroundRegistration::take(const GroundFrame& frame, int whole_x, int whole_y) {
   double seen = 0;
+  const Rect& window = frame.window;
   for (Block& b : blocks_) {
-    const Rect& window = frame.windows[b.field];
-    const Picture& picture = frame.pictures[b.field];
-    const Rect& place = ground_.fields[b.field].place;
     b.shown = b.weight;
     for (std::size_t t = 0; t < b.tiles.size(); ++t) {
-      const Rect tile{place.x + b.tiles[t].x + whole_x, place.y + b.tiles[t].y + whole_y, kTile, kTile};
+      const Rect tile{ground_.place.x + b.tiles[t].x + whole_x, ground_.place.y + b.tiles[t].y + whole_y,
+                      kTile, kTile};
       const bool inside = window.contains(tile);
       float* level = b.arrays.level.data() + t * kTilePixels;
       float* weight = b.shown.data() + t * kTilePixels;
@@ -99,7 +98,7 @@ bool GroundRegistration::take(const GroundFrame& frame, int whole_x, int whole_y
         for (int i = 0; i < kTile; ++i, ++level, ++weight) {
           const int x = tile.x + i - window.x, y = tile.y + j - window.y;
           const bool there = inside || (x >= 0 && y >= 0 && x < window.width && y < window.height);
-          *level = there ? picture.at(x, y) - ground_.level : 0;
+          *level = there ? frame.picture.at(x, y) - ground_.level : 0;
           if (!there) *weight = 0;
         }
       for (const Circle& c : frame.hidden) {
@@ -120,7 +119,7 @@ bool GroundRegistration::take(const GroundFrame& frame, int whole_x, int whole_y
 
 void GroundRegistration::sample(const Point& fraction) {
   for (Block& b : blocks_)
-    ground_.fields[b.field].less.sample_tiles(-fraction.x, -fraction.y, b.tiles, b.corners, true, b.arrays);
+    ground_.less.sample_tiles(-fraction.x, -fraction.y, b.tiles, b.corners, true, b.arrays);
 }
 
 std::optional<GroundRegistration::Fit> GroundRegistration::solve() {

@@ -39,9 +39,8 @@ class GroundRegistration {
   double texture() const { return texture_; }
 
  private:
-  /// Tiles within 32 x 32 px of a field.
+  /// Tiles within 32 x 32 px.
   struct Block {
-    std::size_t field = 0;
     std::vector<TilePlace> tiles;
     std::vector<float> weight;  ///< 1 / V, 0 where the ground is not known
     TileArrays arrays;          ///< slope_theta holds the level: the fifth column of the sums
@@ -55,7 +54,7 @@ class GroundRegistration {
     Eigen::Vector3d force, solution;
     double squares = 0, of_levels = 0, pixels = 0;
   };
-  void add_blocks(std::size_t field);
+  void add_blocks();
   bool take(const GroundFrame& frame, int whole_x, int whole_y);
   void sample(const Point& fraction);
   std::optional<Fit> solve();
