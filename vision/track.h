@@ -104,14 +104,13 @@ struct FrameCounts {
 /// What the recording itself says of the standard deviations that tracking found by its model: ratios of what
 /// is seen to what they predict, before the audit widened them; 1 is right. Empty where there is too little
 /// to tell.
-/// `high_frequency` and `lag1` are of the coordinate, x or y, that is further off.
+/// `high_frequency` is of the coordinate, x or y, that is further off.
 struct Audit {
   std::int64_t frames = 0;               ///< whose halves were compared
   std::optional<double> halves_x;        ///< positions from the part's left and right half
   std::optional<double> halves_y;        ///< from its top and bottom half
   std::optional<double> high_frequency;  ///< scatter from frame to frame, where the motion is slow against it
-  std::optional<double> lag1;  ///< correlation of a frame's error with the next one's; 0 for white noise
-  double white_factor = 1;     ///< what every covariance is multiplied by
+  double white_factor = 1;               ///< what every covariance is multiplied by
   /// What slow errors add to each coordinate beyond what its standard deviation held, px, and their
   /// correlation time, s.
   double slow_sd = 0, slow_time = 0;

@@ -102,7 +102,6 @@ Json json_of(const vision::Audit& audit) {
   return {{"halves_x", optional_json(audit.halves_x)},
           {"halves_y", optional_json(audit.halves_y)},
           {"high_frequency", optional_json(audit.high_frequency)},
-          {"lag1", optional_json(audit.lag1)},
           {"frames", audit.frames},
           {"white_factor", audit.white_factor},
           {"slow_sd_px", audit.slow_sd},

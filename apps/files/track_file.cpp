@@ -116,7 +116,6 @@ vision::Audit audit_from(const JsonPlace& json) {
   audit.halves_x = number_at(json, "halves_x");
   audit.halves_y = number_at(json, "halves_y");
   audit.high_frequency = number_at(json, "high_frequency");
-  audit.lag1 = number_at(json, "lag1");
   audit.frames = json.whole("frames", 0);
   audit.white_factor = json.number("white_factor", 1);
   audit.slow_sd = json.number("slow_sd_px", 0);

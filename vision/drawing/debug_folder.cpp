@@ -22,7 +22,6 @@ constexpr int kFooter = 76;
 const cv::Scalar kPaper(40, 40, 40);  // BGR
 const cv::Scalar kInk(235, 235, 235);
 const cv::Scalar kFaint(120, 120, 120);
-const cv::Scalar kCurve(0, 190, 255);
 constexpr const char* kIndexHeader = "file\tshows\tframe\tlow\thigh\tunit\tpx_per_pixel\n";
 
 void text(cv::Mat& image, const std::string& words, int x, int y, const cv::Scalar& colour = kInk) {
@@ -127,45 +126,6 @@ cv::Mat drawn(const StagePicture& picture, const Range& range, int enlargement) 
   return image;
 }
 
-/// About `count` round steps over a range.
-double round_step(double range, int count) {
-  const double raw = range / count, decade = std::pow(10, std::floor(std::log10(raw)));
-  for (const double step : {1.0, 2.0, 5.0})
-    if (step * decade >= raw) return step * decade;
-  return 10 * decade;
-}
-
-cv::Mat drawn(const StageCurve& curve) {
-  constexpr int kHeight = 480, kLeft = 70, kBottom = 60;
-  cv::Mat image(kHeight, kWidth, CV_8UC3, kPaper);
-  text(image, curve.title, kMargin, kLine);
-  const auto [x0, x1] = std::ranges::minmax(curve.points, {}, &Point::x);
-  const auto rows = std::ranges::minmax(curve.points, {}, &Point::y);
-  const double bottom = rows.min.y, top = rows.max.y > bottom ? rows.max.y : bottom + 1;
-  const double left = x0.x, right = x1.x > x0.x ? x1.x : x0.x + 1;
-  const cv::Rect box(kLeft, 2 * kLine, kWidth - kLeft - kMargin, kHeight - kBottom - 2 * kLine);
-  const auto place = [&](double x, double y) {
-    return cv::Point(static_cast<int>(std::lround(box.x + (x - left) / (right - left) * box.width)),
-                     static_cast<int>(std::lround(box.y + (top - y) / (top - bottom) * box.height)));
-  };
-  const double step_x = round_step(right - left, 8), step_y = round_step(top - bottom, 6);
-  for (double x = std::ceil(left / step_x) * step_x; x <= right; x += step_x) {
-    cv::line(image, place(x, bottom), place(x, top), kFaint, 1);
-    const std::string label = fmt::format("{:g}", x);
-    text(image, label, place(x, bottom).x - width_of(label) / 2, box.y + box.height + 18);
-  }
-  for (double y = std::ceil(bottom / step_y) * step_y; y <= top; y += step_y) {
-    cv::line(image, place(left, y), place(right, y), kFaint, 1);
-    const std::string label = fmt::format("{:.3g}", std::abs(y) < 1e-9 * step_y ? 0 : y);
-    text(image, label, kLeft - 8 - width_of(label), place(left, y).y + 5);
-  }
-  for (std::size_t k = 1; k < curve.points.size(); ++k)
-    cv::line(image, place(curve.points[k - 1].x, curve.points[k - 1].y),
-             place(curve.points[k].x, curve.points[k].y), kCurve, 2, cv::LINE_AA);
-  text(image, fmt::format("x: {};  y: {}", curve.x_label, curve.y_label), kLeft, kHeight - 12);
-  return image;
-}
-
 void write_file(const std::filesystem::path& path, const char* bytes, std::size_t size) {
   TemporaryFile file(path);
   std::ofstream out(file.path(), std::ios::binary);
@@ -202,14 +162,6 @@ void DebugFolder::show(const StagePicture& picture) {
         fmt::format("{}\t{}\t{}\t{:.6g}\t{:.6g}\t{}\t{}\n", name, picture.title,
                     picture.frame ? fmt::format("{} ({})", *picture.frame, picture.why_frame) : "", range.low,
                     range.high, picture.unit, enlargement));
-}
-
-void DebugFolder::show(const StageCurve& curve) {
-  if (curve.points.empty()) return;
-  const std::string name = curve.name + ".png";
-  const auto [low, high] = std::ranges::minmax(curve.points, {}, &Point::y);
-  write(name, png_of(drawn(curve)),
-        fmt::format("{}\t{}\t\t{:.6g}\t{:.6g}\t{}\t\n", name, curve.title, low.y, high.y, curve.y_label));
 }
 
 /// The index grows with the pictures: it lists what is there even if the tracking fails later.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <opencv2/imgproc.hpp>
 
 #include "vision/kernels/tile_kernels.h"
 
@@ -16,14 +17,9 @@ constexpr double kStandsOut = 1.3;
 
 /// Sums over (2 kReach + 1)^2 pixels, fewer at the border.
 Picture box_sums(const Picture& in) {
-  Picture rows(in.width(), in.height()), out(in.width(), in.height());
-  for (int y = 0; y < in.height(); ++y)
-    for (int x = 0; x < in.width(); ++x)
-      for (int k = std::max(0, x - kReach); k <= std::min(in.width() - 1, x + kReach); ++k)
-        rows.at(x, y) += in.at(k, y);
-  for (int y = 0; y < in.height(); ++y)
-    for (int k = std::max(0, y - kReach); k <= std::min(in.height() - 1, y + kReach); ++k)
-      for (int x = 0; x < in.width(); ++x) out.at(x, y) += rows.at(x, k);
+  Picture out = in;
+  cv::Mat levels(out.height(), out.width(), CV_32F, out.levels().data());
+  cv::boxFilter(levels, levels, -1, {2 * kReach + 1, 2 * kReach + 1}, {-1, -1}, false, cv::BORDER_CONSTANT);
   return out;
 }
 

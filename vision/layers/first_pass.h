@@ -1,11 +1,9 @@
-// What the layered pass is given: the frames as the first pass left them, and its options.
+// What the second pass is given: the frames as the first pass left them.
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <vector>
 
-#include "vision/stages/debug_pictures.h"
+#include "vision/picture.h"
 
 namespace tribotrack::vision {
 
@@ -25,16 +23,5 @@ bool is_learning_frame(std::int64_t place, std::int64_t total);
 int layered_half(double radius, double blur);
 /// Px about the part's centre that are looked at in every frame.
 double layered_reach(double radius, double blur);
-
-struct LayeredOptions {
-  Circle disc;                                      ///< in the first frame
-  double blur = 1;                                  ///< of its rim, px
-  double noise_variance = 1;                        ///< a start
-  std::int64_t first_index = 0, total = 0;          ///< of the frames analysed; 0: not known
-  std::function<void(std::int64_t done)> progress;  ///< frames measured
-  int threads = 1;                                  ///< the result is the same for any number
-  DebugSink* debug = nullptr;                       ///< pictures of the layers, if wanted
-  std::vector<ShownFrame> shown;                    ///< and of these frames
-};
 
 }  // namespace tribotrack::vision

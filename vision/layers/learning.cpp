@@ -73,7 +73,6 @@ class Learning {
  private:
   void look_at_few();
   void look_at_all();
-  std::vector<const KeptWindow*> explained_windows() const;
   void rounds(int most, bool look_for_light);
   void learn_pictures();
   void see_ground();
@@ -104,13 +103,6 @@ void Learning::look_at_all() {
   std::iota(active_.begin(), active_.end(), std::size_t{0});
 }
 
-std::vector<const KeptWindow*> Learning::explained_windows() const {
-  std::vector<const KeptWindow*> out;
-  for (const std::size_t k : active_)
-    if (explained_[k]) out.push_back(&windows_[k]);
-  return out;
-}
-
 /// Until what further rounds would move is lost in the noise.
 void Learning::rounds(int most, bool look_for_light) {
   double before = 0;
@@ -134,10 +126,11 @@ void Learning::rounds(int most, bool look_for_light) {
 }
 
 void Learning::learn_pictures() {
-  const std::vector<const KeptWindow*> windows = explained_windows();
-  PartRegression regression(out_.part, ground_);
-  regression.add(windows, out_.rounds > kFirstFine, options_.threads);
-  out_.part = regression.solve(options_.noise_variance, prior_share_);
+  std::vector<const KeptWindow*> windows;
+  for (const std::size_t k : active_)
+    if (explained_[k]) windows.push_back(&windows_[k]);
+  out_.part = vision::learn_pictures(out_.part, ground_, windows, out_.rounds > kFirstFine,
+                                     options_.noise_variance, prior_share_, options_.threads);
   registration_.set_part(out_.part, static_cast<double>(active_.size()));
 }
 

@@ -23,9 +23,9 @@ constexpr double kLargestSd = 0.2;       ///< rad: known less well than that it 
 /// The weights of the inner rings, so many that both parts know the angle about equally well in this frame.
 Eigen::ArrayXXf inner_half(const Harmonics& first, const Eigen::ArrayXXf& weights) {
   const Eigen::ArrayXf orders =
-      Eigen::ArrayXf::LinSpaced(first.orders(), 0, static_cast<float>(first.orders() - 1));
-  const Eigen::ArrayXXf square = first.re.square() + first.im.square();
-  const Eigen::ArrayXf of_ring = ((weights * square).colwise() * orders.square()).colwise().sum().transpose();
+      Eigen::ArrayXf::LinSpaced(first.rows(), 0, static_cast<float>(first.rows() - 1));
+  const Eigen::ArrayXf of_ring =
+      ((weights * first.abs2()).colwise() * orders.square()).colwise().sum().transpose();
   Eigen::ArrayXXf inner = Eigen::ArrayXXf::Zero(weights.rows(), weights.cols());
   float sum = 0;
   for (Eigen::Index k = 0; k + 1 < weights.cols() && (k == 0 || sum < 0.5F * of_ring.sum()); ++k) {

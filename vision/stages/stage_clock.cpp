@@ -27,7 +27,7 @@ const char* to_string(Stage stage) {
     case Stage::lamp:
       return "first pass: gate lamp";
     case Stage::radius:
-      return "first pass: disc radius";
+      return "radius of the disc";
     case Stage::layers_learning:
       return "layers: learning";
     case Stage::layers_measuring:

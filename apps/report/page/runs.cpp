@@ -168,7 +168,7 @@ PageSection audit_section(const ReportData& data) {
   std::string rows;
   for (std::size_t i = 0; i < data.runs.size(); ++i) {
     const vision::Audit& audit = data.runs[i].track.audit;
-    const std::array ratios = {audit.halves_x, audit.halves_y, audit.high_frequency, audit.lag1};
+    const std::array ratios = {audit.halves_x, audit.halves_y, audit.high_frequency};
     if (std::none_of(ratios.begin(), ratios.end(), [](const auto& ratio) { return ratio.has_value(); }))
       continue;
     rows +=
@@ -181,7 +181,7 @@ PageSection audit_section(const ReportData& data) {
   if (rows.empty()) return section;
   section.html =
       table("audit-table", "compact",
-            {">#", "Run", ">left / right", ">top / bottom", ">frame to frame", ">lag 1", ">σ widened by",
+            {">#", "Run", ">left / right", ">top / bottom", ">frame to frame", ">σ widened by",
              ">correlated error added, px"},
             rows) +
       "<p class=\"note\">Ratios of the observed scatter to what the tracking’s own "

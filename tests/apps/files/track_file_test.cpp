@@ -155,7 +155,6 @@ TEST_F(TrackFiles, TheAuditComesBackFromTheMetaFile) {
   audit.frames = 240;
   audit.halves_x = 1.1;
   audit.halves_y = 1.2;
-  audit.lag1 = -0.25;
   audit.white_factor = 1.7;
   audit.slow_sd = 0.004;
   audit.slow_time = 0.3;
@@ -172,7 +171,8 @@ TEST_F(TrackFiles, AForeignMetaFileIsOneSentence) {
   for (const char* meta :
        {"[1, 2]", "{\"scale\": {\"mm_per_px\": \"wide\"}}", "{\"summary\": {\"gate_passed\": 3}}",
         "{\"plan\": 3}", "{\"audit\": {\"frames\": 1e300}}", "{\"inputs\": {\"path\": \"a\"}}",
-        "{\"slow_errors\": [1]}", "{\"audit\": {\"lag1\": \"x\"}}", "{\"recording\": {\"exposure_s\": [1]}}"})
+        "{\"slow_errors\": [1]}", "{\"audit\": {\"halves_x\": \"x\"}}",
+        "{\"recording\": {\"exposure_s\": [1]}}"})
     EXPECT_THAT(complaint(csv, meta), HasSubstr("t.csv.meta.json: is not the meta file of a track")) << meta;
   EXPECT_THAT(complaint(csv, "{"), HasSubstr("t.csv.meta.json"));
 }

@@ -184,17 +184,6 @@ TEST(GroundMotion, BrushedGroundTellsItsMotionToTheLimitInBothDirections) {
   EXPECT_GT(e.sd_along, 2 * e.sd_across);
 }
 
-TEST(GroundMotionCampaign, DISABLED_WeakTextureDoesAsMuchAsItCan) {
-  Circling s;
-  s.scene.platform.texture_rms = 5.0 / 3;
-  const Errors e = errors_of(followed(s, s.pictures()), s);
-  expect_right(e, s);
-  const Eigen::Vector2d limit = bound(s);
-  std::printf("  limit along %.4f across %.4f px\n", limit[0], limit[1]);
-  EXPECT_LT(e.along, 1.6 * limit[0]);
-  EXPECT_LT(e.across, 1.3 * limit[1]);
-}
-
 TEST(GroundMotionCampaign, DISABLED_FlickerDrawsNothing) {
   Circling s;
   s.scene.flicker = 0.1;
@@ -223,27 +212,6 @@ TEST(GroundMotionCampaign, DISABLED_SomethingThatCrossesIsLeftOut) {
   ASSERT_FALSE(motion.frames.empty()) << motion.verdict.reason;
   expect_right(errors_of(motion, s), s);
   EXPECT_GT(motion.frames[50]->trimmed_share, 0.004);
-}
-
-TEST(GroundMotionCampaign, DISABLED_FastMotionIsPredicted) {
-  Circling s;
-  s.circle_px = 14;  // 1.8 px a frame
-  expect_right(errors_of(followed(s, s.pictures()), s), s);
-}
-
-TEST(GroundMotionCampaign, DISABLED_LargePicturesAreMeasuredByTheirFieldsOfInformation) {
-  Circling s;
-  s.scene.platform.texture_length_px = 10;
-  s.scene.width = 720;
-  s.scene.height = 560;
-  s.frames = 40;
-  const GroundMotion motion = followed(s, s.pictures());
-  ASSERT_GT(motion.ground.fields.size(), 1U);
-  const Errors e = errors_of(motion, s);
-  EXPECT_EQ(e.found, s.frames);
-  // Along the brush the sd is still too small where there are several fields.
-  EXPECT_LT(e.across, 1.3 * e.sd_across);
-  EXPECT_LT(e.along, 0.03);
 }
 
 TEST(GroundMotion, AGlanceTellsRestFromMotion) {

@@ -22,8 +22,10 @@ struct FloatLight {
         mean(static_cast<float>(l.mean)) {}
 };
 
-TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>& mask,
-                                        const LayerLight& at) {
+}  // namespace
+
+TRIBOTRACK_CLONES LayerNormal form_normal(LayerArrays& a, const std::vector<float>& mask,
+                                          const LayerLight& at) {
   constexpr int kSums = std::tuple_size_v<LayerNormal>;
   const FloatLight light(at);
   Lanes total[kSums] = {};
@@ -69,7 +71,7 @@ TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>
   return out;
 }
 
-TRIBOTRACK_KERNEL LayerForce force_with(LayerArrays& a, const LayerLight& at) {
+TRIBOTRACK_CLONES LayerForce layer_force(LayerArrays& a, const LayerLight& at) {
   const FloatLight light(at);
   Lanes force[kLayerColumns] = {}, squares{}, largest{};
   Lanes n{}, sum_m{}, sum_i{}, sum_mm{}, sum_ii{}, sum_mi{};
@@ -119,7 +121,8 @@ TRIBOTRACK_KERNEL LayerForce force_with(LayerArrays& a, const LayerLight& at) {
   return out;
 }
 
-TRIBOTRACK_KERNEL void scores_with(const LayerArrays& a, const LayerLight& at, TileScores& out) {
+TRIBOTRACK_CLONES void layer_scores(const LayerArrays& a, const LayerLight& at, TileScores& out) {
+  out.resize(a.tiles);
   const FloatLight light(at);
   for (std::size_t t = 0; t < a.tiles; ++t) {
     Lanes score[kLayerColumns] = {};
@@ -146,35 +149,6 @@ TRIBOTRACK_KERNEL void scores_with(const LayerArrays& a, const LayerLight& at, T
     }
     for (std::size_t c = 0; c < kLayerColumns; ++c) out[t][c] = static_cast<float>(sum(score[c]));
   }
-}
-
-#define TRIBOTRACK_VARIANT(suffix, ...)                                                                   \
-  __VA_ARGS__ LayerNormal form_##suffix(LayerArrays& arrays, const std::vector<float>& mask,              \
-                                        const LayerLight& light) {                                        \
-    return form_with(arrays, mask, light);                                                                \
-  }                                                                                                       \
-  __VA_ARGS__ LayerForce force_##suffix(LayerArrays& arrays, const LayerLight& light) {                   \
-    return force_with(arrays, light);                                                                     \
-  }                                                                                                       \
-  __VA_ARGS__ void scores_##suffix(const LayerArrays& arrays, const LayerLight& light, TileScores& out) { \
-    out.resize(arrays.tiles);                                                                             \
-    scores_with(arrays, light, out);                                                                      \
-  }                                                                                                       \
-  constexpr LayerKernels k_##suffix{#suffix, form_##suffix, force_##suffix, scores_##suffix};
-
-TRIBOTRACK_VARIANT(baseline)
-TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)
-#undef TRIBOTRACK_VARIANT
-
-}  // namespace
-
-std::vector<LayerKernels> all_layer_kernels() {
-  return runnable(k_baseline, k_avx2);
-}
-
-const LayerKernels& layer_kernels() {
-  static const LayerKernels fastest = all_layer_kernels().back();
-  return fastest;
 }
 
 namespace {

@@ -33,10 +33,6 @@ double hold(double sd) {
 
 }  // namespace
 
-LayeredRegistration::LayeredRegistration(const GroundPicture& ground, const LayerKernels& layers,
-                                         const TileKernels& tiles)
-    : ground_(ground), layer_kernels_(layers), tile_kernels_(tiles) {}
-
 void LayeredRegistration::set_part(const PartPictures& part, double frames) {
   half_ = part.half;
   light_.blend = part.blend;
@@ -166,8 +162,7 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
                                                std::clamp(iy + place.y, -8, region.height));
   }
   if (seen < kLeastSeen * pixels_) return false;
-  tile_kernels_.sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true,
-                       arrays_.ground);
+  sample_tiles(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true, arrays_.ground);
   return true;
 }
 
@@ -197,14 +192,14 @@ void LayeredRegistration::sample(const Point& centre, bool slopes) {
   const auto each = [&](const QuinticSpline& spline, TileArrays& arrays, bool with_slopes) {
     for (std::size_t t = 0; t < places_.size(); ++t)
       corners_[t] = spline.coefficient(ix + places_[t].x, iy + places_[t].y);
-    tile_kernels_.sample(corners_, spline.stride(), taps, 0, with_slopes, arrays);
+    sample_tiles(corners_, spline.stride(), taps, 0, with_slopes, arrays);
   };
   each(level_, arrays_.part, slopes);
   each(share_, arrays_.share, slopes);
 }
 
 LayeredRegistration::Matrix LayeredRegistration::normal_matrix(const LightPrior& prior) {
-  const LayerNormal sums = layer_kernels_.form(arrays_, counts_, light_);
+  const LayerNormal sums = form_normal(arrays_, counts_, light_);
   const int n = kLayerColumns;
   Matrix normal(n, n);
   for (int i = 0, k = 0; i < n; ++i)
@@ -270,7 +265,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   bool converged = false;
   LayerForce sums;
   for (int iteration = 0; iteration < kMaxIterations && !converged; ++iteration) {
-    sums = layer_kernels_.force(arrays_, light_);
+    sums = layer_force(arrays_, light_);
     Vector force = Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data());
     force(kSlopeX) += hold(prior.sd) * (light_.gain * prior.slope_x - light_.slope_x);
     force(kSlopeY) += hold(prior.sd) * (light_.gain * prior.slope_y - light_.slope_y);
@@ -306,7 +301,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
     }
   }
   if (!converged) return std::nullopt;
-  sums = layer_kernels_.force(arrays_, light_);
+  sums = layer_force(arrays_, light_);
   s.gain = light_.gain + light_.slope_x * (s.centre.x - x0_) + light_.slope_y * (s.centre.y - y0_);
   s.slope_x = light_.slope_x / s.gain;
   s.slope_y = light_.slope_y / s.gain;
@@ -324,7 +319,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
 }
 
 ClusterPulls LayeredRegistration::cluster_pulls() {
-  layer_kernels_.scores(arrays_, light_, scores_);
+  layer_scores(arrays_, light_, scores_);
   const Eigen::Matrix<float, 2, Eigen::Dynamic> rows = inverse_of(normal_).topRows<2>().cast<float>();
   ClusterPulls out(clusters_, Eigen::Vector2f::Zero());
   for (std::size_t t = 0; t < scores_.size(); ++t)

@@ -32,9 +32,8 @@ struct LayeredFix {
 
 class LayeredRegistration {
  public:
-  /// Keeps a reference. The kernels are the fastest, unless a test compares.
-  explicit LayeredRegistration(const GroundPicture& ground, const LayerKernels& layers = layer_kernels(),
-                               const TileKernels& tiles = tile_kernels());
+  /// Keeps a reference.
+  explicit LayeredRegistration(const GroundPicture& ground) : ground_(ground) {}
 
   /// Pictures learnt from so many frames: their noise is not information.
   void set_part(const PartPictures& part, double frames);
@@ -73,8 +72,6 @@ class LayeredRegistration {
   std::vector<TileSums> tile_sums() const;
 
   const GroundPicture& ground_;
-  LayerKernels layer_kernels_;
-  TileKernels tile_kernels_;
   int half_ = 0;
   QuinticSpline level_, share_;  ///< F and alpha
   Picture variance_;

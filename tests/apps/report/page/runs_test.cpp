@@ -114,12 +114,12 @@ TEST(AuditSection, ARowOfRatiosForEachRunThatHasAny) {
   ReportData data = one_run();
   EXPECT_EQ(audit_section(data).html, "");  // a track of an earlier version, or a run measured elsewhere
   data.runs[0].track.audit.halves_x = 1.42;
-  data.runs[0].track.audit.lag1 = -0.31;
+  data.runs[0].track.audit.high_frequency = 1.31;
   data.runs[0].track.audit.white_factor = 4;
   data.runs[0].track.audit.slow_sd = 0.0123;
   EXPECT_THAT(audit_section(data).html,
               HasSubstr("<b>a</b></td><td class=\"n\">1.42</td><td class=\"n\">–</td><td "
-                        "class=\"n\">–</td><td class=\"n\">-0.31</td><td "
+                        "class=\"n\">1.31</td><td "
                         "class=\"n\">2.00</td><td "
                         "class=\"n\">0.0123</td></tr>"));
 }

@@ -31,11 +31,8 @@ std::vector<KeptWindow> windows_of(const PartByHand& part, int count, double noi
 
 PartPictures learnt(const std::vector<KeptWindow>& windows, const GroundPicture& ground, PartPictures part,
                     const Picture& prior, double noise_variance, int rounds) {
-  for (int round = 0; round < rounds; ++round) {
-    PartRegression regression(part, ground);
-    regression.add(test::pointers_to(windows), false);
-    part = regression.solve(noise_variance, prior);
-  }
+  for (int round = 0; round < rounds; ++round)
+    part = learn_pictures(part, ground, test::pointers_to(windows), false, noise_variance, prior);
   return part;
 }
 
