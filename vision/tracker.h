@@ -89,18 +89,11 @@ struct StagePicture {
   bool zero_centred = false;  ///< a difference: zero lies in the middle of the range
 };
 
-/// The same for a curve.
-struct StageCurve {
-  std::string name, title, x_label, y_label;
-  std::vector<Point> points;
-};
-
 /// Receives the pictures of the stages: DebugFolder (overlay.h) writes them as PNG files.
 class DebugSink {
  public:
   virtual ~DebugSink() = default;
   virtual void show(const StagePicture& picture) = 0;
-  virtual void show(const StageCurve& curve) = 0;
 };
 
 struct TrackOptions {
