@@ -80,15 +80,11 @@ Eigen::Matrix3d plane_homography(const CameraCalibration& calibration);
 /// way the board lay.
 PlanePose turned_to_picture(const CameraCalibration& calibration);
 
-/// A flat board of squares. A checkerboard is found only when it is seen whole; a ChArUco board (a marker in
-/// every white square) also in part.
+/// A flat checkerboard, found only when it is seen whole.
 struct CalibrationBoard {
-  enum class Kind { checkerboard, charuco } kind = Kind::checkerboard;
   int columns = 10, rows = 7;  ///< squares, not corners
   double square_mm = 0;
-  double square_relative_sd = 0;      ///< how well the side of a square is known; enters the scale's sd
-  double marker_mm = 0;               ///< side of a ChArUco marker
-  std::string dictionary = "4x4_50";  ///< 4x4_50 .. 7x7_1000 or an AprilTag family, vision/tags/dictionary.h
+  double square_relative_sd = 0;  ///< how well the side of a square is known; enters the scale's sd
   /// Throws std::invalid_argument naming the member.
   void validate() const;
 };

@@ -37,7 +37,6 @@ class DebugFolder : public DebugSink {
   void show(const StagePicture& picture) override;
 
  private:
-  void write(const std::string& name, const std::vector<unsigned char>& png, const std::string& index_line);
   std::filesystem::path folder_;
   std::string index_;
 };

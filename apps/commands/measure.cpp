@@ -130,14 +130,14 @@ void add_measure(CLI::App& app, Context& context) {
   command.callback([options, &context] { measure_command(*options, context); });
 }
 
-// tribotrack calibrate: pictures of a flat board to the camera's lens, the platform's plane and its scale.
+// tribotrack calibrate: pictures of a checkerboard to the camera's lens, the platform's plane and its scale.
 
 namespace {
 
 struct CalibrateOptions {
   std::vector<std::string> inputs;
-  std::string plane, squares, output, dictionary = "4x4_50";
-  std::optional<double> square_mm, square_sd_mm, marker_mm;
+  std::string plane, squares, output;
+  std::optional<double> square_mm, square_sd_mm;
   bool json = false;
 };
 
@@ -154,16 +154,9 @@ vision::CalibrationBoard board_of(const CalibrateOptions& options) {
                     options.squares));
   board.columns = static_cast<int>(columns);
   board.rows = static_cast<int>(rows);
-  for (const auto& [flag, length] :
-       {std::pair{"--square-mm", options.square_mm}, std::pair{"--marker-mm", options.marker_mm}})
-    if (length && !(*length > 0))
-      throw UsageError(fmt::format("{} must be greater than 0, not {}", flag, *length));
+  if (!(*options.square_mm > 0))
+    throw UsageError(fmt::format("--square-mm must be greater than 0, not {}", *options.square_mm));
   board.square_mm = *options.square_mm;
-  board.dictionary = options.dictionary;
-  if (options.marker_mm) {
-    board.kind = vision::CalibrationBoard::Kind::charuco;
-    board.marker_mm = *options.marker_mm;
-  }
   board.square_relative_sd = options.square_sd_mm.value_or(0) / board.square_mm;
   try {
     board.validate();
@@ -204,9 +197,7 @@ void calibrate_command(const CalibrateOptions& options, Context& context) {
   meta.inputs.push_back(hashed_recording(options.plane));
   meta.configuration = {{"squares", options.squares},
                         {"square_mm", board.square_mm},
-                        {"square_relative_sd", board.square_relative_sd},
-                        {"marker_mm", board.marker_mm},
-                        {"dictionary", board.dictionary}};
+                        {"square_relative_sd", board.square_relative_sd}};
   write_result(options.output, text_of(json), meta);
   for (const auto& left_out : result.left_out) say(context.quiet, "left out: " + left_out);
   if (options.json)
@@ -220,12 +211,12 @@ void calibrate_command(const CalibrateOptions& options, Context& context) {
 void add_calibrate(CLI::App& app, Context& context) {
   auto options = std::make_shared<CalibrateOptions>();
   CLI::App& command = *app.add_subcommand(
-      "calibrate", "Determine lens, plane of the platform and scale from pictures of a flat board");
+      "calibrate", "Determine lens, plane of the platform and scale from pictures of a checkerboard");
   command
-      .add_option(
-          "PICTURES", options->inputs,
-          "Pictures of the board, tilted by 15 to 45 degrees in several directions: files, folders, patterns "
-          "dir/%05d.png or videos")
+      .add_option("PICTURES", options->inputs,
+                  "Pictures of the whole board, tilted by 15 to 45 degrees in several directions: files, "
+                  "folders, patterns "
+                  "dir/%05d.png or videos")
       ->required();
   command.add_option("--plane", options->plane, "A picture of the board lying on the platform")
       ->type_name("PICTURE")
@@ -237,9 +228,6 @@ void add_calibrate(CLI::App& app, Context& context) {
   command.get_option("--square-mm")->required();
   add_number(command, "--square-sd-mm", options->square_sd_mm,
              "Standard deviation of that side: enters the sd of the scale");
-  add_number(command, "--marker-mm", options->marker_mm, "The board is a ChArUco board; side of its markers");
-  command.add_option("--dictionary", options->dictionary, "Of the ChArUco board's markers (default 4x4_50)")
-      ->type_name("NAME");
   command.add_option("-o,--output", options->output, "The calibration")
       ->type_name("calibration.json")
       ->required();

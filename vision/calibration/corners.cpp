@@ -3,14 +3,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "vision/tags/dictionary.h"
@@ -74,8 +72,11 @@ std::optional<Parameters> first_guess(const Picture& picture, Point at, double r
   return p;
 }
 
-}  // namespace
-
+/// Fits, by least squares over the pixels within `reach` px of `start`,
+///   I(p) = m + g (p - q) + c erf(n1 (p - q) / (sqrt2 s)) erf(n2 (p - q) / (sqrt2 s)),
+/// two edges of blur s crossing at q with normals n1, n2, on a shaded ground. The picture of a corner is the
+/// same turned by half a turn, and so is the model: what it gets wrong of the edges does not move q. Nothing
+/// where there is no such corner within 2 px.
 std::optional<Point> fit_corner(const Picture& picture, Point start, double reach) {
   if (start.x < reach || start.y < reach || start.x > picture.width() - 1 - reach ||
       start.y > picture.height() - 1 - reach)
@@ -134,9 +135,6 @@ std::optional<Point> fit_corner(const Picture& picture, Point start, double reac
   return Point{p(0), p(1)};
 }
 
-namespace {
-
-constexpr std::size_t kFewestCorners = 8;
 constexpr double kShareOfSquare = 0.35;  ///< of its side that a corner's window reaches
 
 /// OpenCV's refinement (gradients all point to the corner: Foerstner and Guelch 1987) brings the corner to a
@@ -157,7 +155,16 @@ double nearest_neighbours_px(const std::vector<cv::Point2f>& corners) {
   return least;
 }
 
-BoardView find_checkerboard(const CalibrationBoard& board, const Picture& levels, const cv::Mat& picture) {
+}  // namespace
+
+void CalibrationBoard::validate() const {
+  if (columns < 3 || rows < 3) throw std::invalid_argument("the board must have at least 3 x 3 squares");
+  if (!(square_mm > 0)) throw std::invalid_argument("square_mm must be greater than 0");
+  if (!(square_relative_sd >= 0)) throw std::invalid_argument("the squares' sd must not be negative");
+}
+
+BoardView find_board(const CalibrationBoard& board, const Picture& levels) {
+  const cv::Mat picture = to_8_bit(levels);
   BoardView view;
   const cv::Size inner(board.columns - 1, board.rows - 1);
   const bool found = cv::findChessboardCorners(picture, inner, view.seen,
@@ -169,71 +176,6 @@ BoardView find_checkerboard(const CalibrationBoard& board, const Picture& levels
     for (int x = 0; x < inner.width; ++x)
       view.on_board.emplace_back(static_cast<float>(x * board.square_mm),
                                  static_cast<float>(y * board.square_mm), 0.0F);
-  return view;
-}
-
-#if CV_VERSION_MAJOR * 100 + CV_VERSION_MINOR < 408
-cv::Ptr<cv::aruco::CharucoBoard> charuco(const CalibrationBoard& board) {
-  return cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_mm),
-                                         static_cast<float>(board.marker_mm),
-                                         tag_dictionary(board.dictionary));
-}
-
-const std::vector<cv::Point3f>& corners_of(const cv::aruco::CharucoBoard& board) {
-  return board.chessboardCorners;
-}
-#else
-/// The pattern that OpenCV drew before it had two: boards with an even number of rows differ.
-cv::Ptr<cv::aruco::CharucoBoard> charuco(const CalibrationBoard& board) {
-  auto pattern = cv::makePtr<cv::aruco::CharucoBoard>(
-      cv::Size(board.columns, board.rows), static_cast<float>(board.square_mm),
-      static_cast<float>(board.marker_mm), *tag_dictionary(board.dictionary));
-  pattern->setLegacyPattern(true);
-  return pattern;
-}
-
-std::vector<cv::Point3f> corners_of(const cv::aruco::CharucoBoard& board) {
-  return board.getChessboardCorners();
-}
-#endif
-
-BoardView find_charuco(const CalibrationBoard& board, const Picture& levels, const cv::Mat& picture) {
-  const auto pattern = charuco(board);
-  std::vector<std::vector<cv::Point2f>> markers;
-  std::vector<int> marker_ids;
-  cv::aruco::detectMarkers(picture, tag_dictionary(board.dictionary), markers, marker_ids);
-  BoardView view;
-  if (marker_ids.empty()) return {};
-  std::vector<int> ids;
-  cv::aruco::interpolateCornersCharuco(markers, marker_ids, picture, pattern, view.seen, ids);
-  if (view.seen.size() < kFewestCorners) return {};
-  // A corner's window must not reach the markers beside it.
-  const double gap = 0.5 * (board.square_mm - board.marker_mm) / board.square_mm;
-  refine(levels, picture, view.seen, nearest_neighbours_px(view.seen) * std::min(kShareOfSquare, gap));
-  const auto& corners = corners_of(*pattern);
-  for (const int id : ids) view.on_board.push_back(corners[static_cast<std::size_t>(id)]);
-  return view;
-}
-
-}  // namespace
-
-void CalibrationBoard::validate() const {
-  if (columns < 3 || rows < 3) throw std::invalid_argument("the board must have at least 3 x 3 squares");
-  if (!(square_mm > 0)) throw std::invalid_argument("square_mm must be greater than 0");
-  if (!(square_relative_sd >= 0)) throw std::invalid_argument("the squares' sd must not be negative");
-  if (kind == Kind::charuco) {
-    if (!(marker_mm > 0 && marker_mm < square_mm))
-      throw std::invalid_argument("marker_mm must be greater than 0 and less than square_mm");
-    tag_dictionary(dictionary);
-  }
-}
-
-BoardView find_board(const CalibrationBoard& board, const Picture& picture) {
-  const cv::Mat grey = to_8_bit(picture);
-  BoardView view = board.kind == CalibrationBoard::Kind::checkerboard
-                       ? find_checkerboard(board, picture, grey)
-                       : find_charuco(board, picture, grey);
-  if (view.seen.size() < kFewestCorners && board.kind == CalibrationBoard::Kind::charuco) return {};
   return view;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <opencv2/imgproc.hpp>
 
 #include "vision/io/picture_files.h"
@@ -18,7 +17,7 @@ constexpr int kMostEnlargement = 16;
 constexpr int kMargin = 16;
 constexpr int kLine = 20;  ///< height of a line of text
 constexpr int kHeader = 3 * kLine + 12;
-constexpr int kFooter = 76;
+constexpr int kFooter = kLine + 12;
 const cv::Scalar kPaper(40, 40, 40);  // BGR
 const cv::Scalar kInk(235, 235, 235);
 const cv::Scalar kFaint(120, 120, 120);
@@ -26,11 +25,6 @@ constexpr const char* kIndexHeader = "file\tshows\tframe\tlow\thigh\tunit\tpx_pe
 
 void text(cv::Mat& image, const std::string& words, int x, int y, const cv::Scalar& colour = kInk) {
   cv::putText(image, words, {x, y}, cv::FONT_HERSHEY_SIMPLEX, 0.45, colour, 1, cv::LINE_AA);
-}
-
-int width_of(const std::string& words) {
-  int base = 0;
-  return cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, 0.45, 1, &base).width;
 }
 
 struct Range {
@@ -70,34 +64,6 @@ cv::Vec3b colour_of(double level, const Range& range, bool zero_centred, int x, 
   return share < 0.5 ? cv::Vec3b(255, faded, faded) : cv::Vec3b(faded, faded, 255);
 }
 
-/// The longest of 1, 2, 5, 10, ... px that is not longer than a quarter of the picture.
-int ruler_px(int width) {
-  int length = 1;
-  for (int decade = 1; decade <= 10000; decade *= 10)
-    for (const int step : {1, 2, 5})
-      if (step * decade <= std::max(1, width / 4)) length = step * decade;
-  return length;
-}
-
-void draw_footer(cv::Mat& image, const StagePicture& picture, const Range& range, int enlargement) {
-  const int top = image.rows - kFooter + 12;
-  constexpr int kBar = 300;
-  for (int x = 0; x < kBar; ++x)
-    for (int y = 0; y < 12; ++y)
-      image.at<cv::Vec3b>(top + y, kMargin + x) =
-          colour_of(range.low + (range.high - range.low) * x / (kBar - 1), range, picture.zero_centred, x, y);
-  text(image, fmt::format("{:.4g}", range.low), kMargin, top + 30);
-  const std::string high = fmt::format("{:.4g} {}", range.high, picture.unit);
-  text(image, high, kMargin + kBar - width_of(fmt::format("{:.4g}", range.high)), top + 30);
-  const int ruler = ruler_px(picture.levels.width());
-  const int right = image.cols - kMargin, left = right - ruler * enlargement;
-  cv::line(image, {left, top + 6}, {right, top + 6}, kInk, 2);
-  cv::line(image, {left, top + 1}, {left, top + 11}, kInk, 1);
-  cv::line(image, {right, top + 1}, {right, top + 11}, kInk, 1);
-  const std::string length = fmt::format("{} px", ruler);
-  text(image, length, right - width_of(length), top + 30);
-}
-
 std::string frame_text(const StagePicture& picture) {
   if (!picture.frame) return picture.why_frame.empty() ? "learnt from the recording" : picture.why_frame;
   return fmt::format("frame {} ({})", *picture.frame, picture.why_frame);
@@ -121,20 +87,18 @@ cv::Mat drawn(const StagePicture& picture, const Range& range, int enlargement) 
       image.at<cv::Vec3b>(kHeader + y, kMargin + x) =
           colour_of(level, range, picture.zero_centred, x / 4, y / 4);
     }
-  draw_footer(image, picture, range, enlargement);
-  if (unknown) text(image, "chequered: not known", kMargin, image.rows - 10, kFaint);
+  text(image,
+       fmt::format("{} {:.4g}, {} {:.4g} {}{}", picture.zero_centred ? "blue" : "black", range.low,
+                   picture.zero_centred ? "red" : "white", range.high, picture.unit,
+                   unknown ? "; chequered: not known" : ""),
+       kMargin, image.rows - 10);
   return image;
 }
 
-void write_file(const std::filesystem::path& path, const char* bytes, std::size_t size) {
+template <class Bytes>
+void write_file(const std::filesystem::path& path, const Bytes& bytes) {
   TemporaryFile file(path);
-  std::ofstream out(file.path(), std::ios::binary);
-  out.write(bytes, static_cast<std::streamsize>(size));
-  out.close();
-  if (!out)
-    throw InputError(path.string() +
-                     " cannot be written; make room, or choose another folder for the debug "
-                     "pictures");
+  file.write(bytes);
   file.commit();
 }
 
@@ -147,7 +111,7 @@ DebugFolder::DebugFolder(std::filesystem::path folder) : folder_(std::move(folde
     throw InputError(
         fmt::format("{}: the folder for the debug pictures cannot be created ({}); choose another",
                     folder_.string(), error ? error.message() : "a file of that name exists"));
-  write_file(folder_ / "index.txt", index_.data(), index_.size());
+  write_file(folder_ / "index.txt", std::string_view(index_));
 }
 
 void DebugFolder::show(const StagePicture& picture) {
@@ -158,18 +122,12 @@ void DebugFolder::show(const StagePicture& picture) {
   const Range range = range_of(picture);
   const std::string name =
       picture.frame ? fmt::format("frame{:06d}_{}.png", *picture.frame, picture.name) : picture.name + ".png";
-  write(name, png_of(drawn(picture, range, enlargement)),
-        fmt::format("{}\t{}\t{}\t{:.6g}\t{:.6g}\t{}\t{}\n", name, picture.title,
-                    picture.frame ? fmt::format("{} ({})", *picture.frame, picture.why_frame) : "", range.low,
-                    range.high, picture.unit, enlargement));
-}
-
-/// The index grows with the pictures: it lists what is there even if the tracking fails later.
-void DebugFolder::write(const std::string& name, const std::vector<unsigned char>& png,
-                        const std::string& index_line) {
-  write_file(folder_ / name, reinterpret_cast<const char*>(png.data()), png.size());
-  index_ += index_line;
-  write_file(folder_ / "index.txt", index_.data(), index_.size());
+  write_file(folder_ / name, png_of(drawn(picture, range, enlargement)));
+  // It grows with the pictures: it lists what is there even if the tracking fails later.
+  index_ += fmt::format("{}\t{}\t{}\t{:.6g}\t{:.6g}\t{}\t{}\n", name, picture.title,
+                        picture.frame ? fmt::format("{} ({})", *picture.frame, picture.why_frame) : "",
+                        range.low, range.high, picture.unit, enlargement);
+  write_file(folder_ / "index.txt", std::string_view(index_));
 }
 
 }  // namespace tribotrack::vision

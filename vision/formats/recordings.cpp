@@ -135,6 +135,10 @@ void require_size(const SinkOptions& options, int width, int height) {
                                 std::to_string(options.height));
 }
 
+void FrameSink::write_rgb(int, int, const unsigned char*) {
+  throw InputError("this kind of recording cannot hold colour: choose .mp4 or .avi");
+}
+
 std::unique_ptr<FrameSink> create_sink(const std::filesystem::path& path, const SinkOptions& given) {
   SinkOptions options = given;
   if (options.codec == Codec::automatic) options.codec = codec_by_name(path);

@@ -104,15 +104,11 @@ void contain(AVCodecContext& decoder);
 
 // Has a video file been cut short?
 
-/// Where the outermost boxes of an MP4/MOV, RIFF (AVI) or Matroska file end after their own account. Decoders
-/// play a file cut short without complaint, which would silently shorten a measurement.
-struct ContainerExtent {
-  std::uint64_t stated_end = 0;  ///< byte after the last box
-  std::string last_box;          ///< name of the box that ends there
-  bool unfinished = false;       ///< its writer never came to fill in the size (Matroska)
-};
-
-/// Nothing where the file is none of the three. Does not judge: compare stated_end with the file's size.
-std::optional<ContainerExtent> container_extent(const std::filesystem::path& path);
+/// The byte at which a Matroska file ends by its own account, or kUnfinished where its writer never came to
+/// fill that in; nothing for other files. libav plays a file cut short without complaint, and where Matroska
+/// is cut, unlike MP4 and AVI, no table tells of the frames that are gone. Throws InputError where it ends
+/// before its segment begins.
+inline constexpr std::uint64_t kUnfinished = ~std::uint64_t{0};
+std::optional<std::uint64_t> matroska_end(const std::filesystem::path& path);
 
 }  // namespace tribotrack::vision

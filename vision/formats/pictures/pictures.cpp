@@ -181,8 +181,6 @@ std::unique_ptr<FrameSource> open_picture_stack(const fs::path& path, const Sour
 
 namespace {
 
-namespace fs = std::filesystem;
-
 class PictureSink : public FrameSink {
  public:
   PictureSink(const fs::path& path, const SinkOptions& options)
@@ -195,27 +193,15 @@ class PictureSink : public FrameSink {
 
   void write(const Picture& picture) override {
     require_size(options_, picture.width(), picture.height());
-    const float largest = largest_level(options_.bits);
+    if (count_ > 0 && !pattern_)
+      throw InputError(in_quotes(path_) +
+                       " holds one picture only; for a sequence give a pattern such as 'frame%05d" +
+                       path_.extension().string() + "'");
     cv::Mat image(picture.height(), picture.width(), options_.bits == 8 ? CV_8UC1 : CV_16UC1);
-    for (int y = 0; y < picture.height(); ++y) {
-      const std::span<const float> row = picture.row(y);
-      for (int x = 0; x < picture.width(); ++x) {
-        const std::uint16_t level = whole_level(row[static_cast<std::size_t>(x)], largest);
-        if (options_.bits == 8)
-          image.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(level);
-        else
-          image.at<std::uint16_t>(y, x) = level;
-      }
-    }
-    save(image);
-  }
-
-  void write_rgb(int width, int height, const unsigned char* rgb) override {
-    require_size(options_, width, height);
-    cv::Mat image(height, width, CV_8UC3);
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x, rgb += 3) image.at<cv::Vec3b>(y, x) = cv::Vec3b(rgb[2], rgb[1], rgb[0]);
-    save(image);
+    for (int y = 0; y < picture.height(); ++y) store_levels(picture.row(y), options_.bits, image.ptr(y));
+    if (count_ > 0) files_.emplace_back(name_of(count_));
+    files_.back().write(options_.codec == Codec::tiff ? tiff_of(image) : png_of(image));
+    ++count_;
   }
 
   void close() override {
@@ -226,16 +212,6 @@ class PictureSink : public FrameSink {
 
  private:
   fs::path name_of(std::int64_t number) const { return pattern_ ? pattern_->file(number) : path_; }
-
-  void save(const cv::Mat& image) {
-    if (count_ > 0 && !pattern_)
-      throw InputError(in_quotes(path_) +
-                       " holds one picture only; for a sequence give a pattern such as 'frame%05d" +
-                       path_.extension().string() + "'");
-    if (count_ > 0) files_.emplace_back(name_of(count_));
-    files_.back().write(options_.codec == Codec::tiff ? tiff_of(image) : png_of(image));
-    ++count_;
-  }
 
   void remove_leftovers() const {
     const fs::path folder = pattern_->folder().empty() ? fs::path(".") : pattern_->folder();

@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "vision/recordings.h"
 
 namespace tribotrack::vision {
@@ -13,15 +11,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-TEST(NaturalOrder, DigitsCompareAsNumbers) {
-  const std::vector<std::string> sorted = {"a", "a1", "a2", "a10", "a10b", "b1", "b1c2", "b1c10"};
-  for (std::size_t i = 0; i < sorted.size(); ++i)
-    for (std::size_t j = 0; j < sorted.size(); ++j)
-      EXPECT_EQ(natural_less(sorted[i], sorted[j]), i < j) << sorted[i] << " " << sorted[j];
-  // Equal numbers written differently still have one order.
-  EXPECT_NE(natural_less("a2", "a02"), natural_less("a02", "a2"));
-}
 
 TEST(NumberPattern, NamesAndNumbersAreInverse) {
   const auto pattern = NumberPattern::parse("dir/frame%04d.png");
