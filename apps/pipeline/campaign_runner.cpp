@@ -37,16 +37,6 @@ void carry_out(CampaignRunner& runner) {
   runner.write_log();
 }
 
-/// At the end those go again that are still empty.
-struct MadeFolders {
-  std::vector<std::filesystem::path> folders;
-  ~MadeFolders() {
-    std::error_code in_use;
-    for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder)
-      std::filesystem::remove(*folder, in_use);
-  }
-};
-
 std::string csv_rows(const std::string& part, const Json& fit) {
   std::string rows;
   for (const auto& [name, p] : fit.at("parameters").items())
@@ -68,9 +58,8 @@ void run_part_by_part(const Campaign& campaign, const RunnerOptions& options, bo
                       Context& context) {
   const std::filesystem::path root = options.output;
   const std::filesystem::path table = root / "parts.csv";
-  MadeFolders made;
   if (!plan_only) {
-    made.folders = create_folder(root);
+    create_folder(root);
     require_writable({{table}}, campaign.input_files());
   }
   Json fits = Json::object();
@@ -161,12 +150,10 @@ void CampaignRunner::take_folder() {
     remove_leftovers(folder);
   std::vector<std::string> names;
   for (const CampaignRun& run : campaign_.runs) names.push_back(run.name);
-  folder_.take_back(names);
-  if (const auto others = folder_.put_aside_all_but(names); !others.empty())
-    say(context_.quiet,
-        fmt::format("note: {} {} not in {}: moved to {}; should {} come back, so will the results",
-                    fmt::join(others, ", "), others.size() == 1 ? "is" : "are", options_.campaign,
-                    folder_.aside().root.string(), others.size() == 1 ? "it" : "they"));
+  for (const std::string& other : folder_.runs())
+    if (std::ranges::count(names, other) == 0)
+      say(context_.quiet, fmt::format("note: {} is not in {}: its files stay in {}", other, options_.campaign,
+                                      folder_.tracks().string()));
 }
 
 void CampaignRunner::measure() {
@@ -227,14 +214,6 @@ void CampaignRunner::name_failed(const std::vector<Run>& runs) const {
   if (none_left)
     throw InvalidInput(fmt::format("{}: none of its {} runs can be used; each is named above",
                                    options_.campaign, runs.size()));
-}
-
-fit::FitResult CampaignRunner::preview(const fit::FitResult* last) const {
-  const fit::Problem problem = problem_of(campaign_, fitted_.runs, fitted_.conditions);
-  fit::FitOptions options;
-  options.profiles = false;
-  options.threads = threads_to_use(context_);
-  return last != nullptr ? fit::estimate_from(*last, problem, options) : fit::estimate(problem, options);
 }
 
 void CampaignRunner::fit_all() {

@@ -40,9 +40,6 @@ class CampaignRunner {
   /// Every run, and what they share. Refuses a campaign that contradicts its recordings, and one that has no
   /// run left; finished tracks stay for the next call. Failed runs are named.
   void measure();
-  /// A fit for the run to film next: no profiles, nothing kept. It begins at `last`, an earlier one to fewer
-  /// of the runs, and looks elsewhere only where that does not describe all of them.
-  fit::FitResult preview(const fit::FitResult* last) const;
   void fit_all();
   void report() const;
   void write_log() const;
