@@ -11,7 +11,6 @@
 
 #include "apps/measuring/likely_slip.h"
 #include "apps/measuring/measure_run.h"
-#include "apps/measuring/measure_text.h"
 #include "apps/measuring/track_motion.h"
 #include "apps/program/errors.h"
 #include "apps/text/number_text.h"
@@ -151,9 +150,9 @@ GivenConditions given_by(const MeasureChoices& choices) {
 }
 
 void put_motion(const TrackMotion& motion, TrackMeasurement& result) {
-  result.json["motion"] = fit::to_string(motion.shown.kind);
-  result.json["motion_sentence"] = motion.sentence;
-  result.text = motion_text(motion) + result.text;
+  Json json = {{"motion", fit::to_string(motion.shown.kind)}, {"motion_sentence", motion.sentence}};
+  json.update(result.json);
+  result.json = std::move(json);
 }
 
 /// What a track shows that is neither of a drive known nor of a slide: no friction follows from it.
@@ -190,11 +189,8 @@ TrackMeasurement measure_free_slide(const std::string& name, const Track& track,
     }
   }
   const SlideMeasurement m = measure_slide(name, track, gravity);
-  TrackMeasurement result{slide_measurement_json(m, track),
-                          slide_measurement_text(m, track),
-                          m.warnings,
-                          {{"free_slide", true}, {"gravity_m_s2", gravity}},
-                          ""};
+  TrackMeasurement result{
+      slide_measurement_json(m, track), m.warnings, {{"free_slide", true}, {"gravity_m_s2", gravity}}, ""};
   if (!(m.slide.mu1.sd < kHardly * m.slide.mu1.value)) {
     const Json configuration = result.configuration;
     result = motion_alone(name, track, motion);
@@ -220,7 +216,6 @@ TrackMeasurement measure_track(const std::string& name, const Track& track, cons
   if (choices.gravity_m_s2)
     throw UsageError("--gravity-m-s2 belongs to free slides; this track shows a moving platform");
   TrackMeasurement result{measurement_json(measured, track),
-                          measurement_text(measured, track),
                           measured.warnings,
                           {{"omega_rad_s", optional_json(given.angular_frequency)}, {"cycles", given.cycles}},
                           ""};

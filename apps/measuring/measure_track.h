@@ -36,8 +36,7 @@ struct MeasureChoices {
 };
 
 struct TrackMeasurement {
-  Json json;         ///< the object `measure --json` prints
-  std::string text;  ///< the same for people
+  Json json;  ///< the object `measure --json` prints
   std::vector<std::string> warnings;
   Json configuration;   ///< for the meta file
   std::string failure;  ///< what fails its quality gate; empty: nothing
