@@ -125,20 +125,6 @@ TEST_F(ForeignTracks, TheLayoutsOfOtherProgramsGiveTheSameDisplacement) {
   EXPECT_EQ(*trackpy.mm_per_px, kScale);
   expect_same(moved(trackpy), plain_moved, 1e-11);
 
-  const Track dice =
-      read("FRAME,COORDINATE_X,COORDINATE_Y,DISPLACEMENT_X,DISPLACEMENT_Y,ROTATION_Z,SIGMA,GAMMA,BETA\n" +
-               lines([&](int k) {
-                 const Eigen::Vector2d p = px(k, false);
-                 return fmt::format("{},3.44E+02,2.12E+02,{},{},0,{},0,0", 4870 + k, p.x(), p.y(),
-                                    k == 7 ? -1 : 0.004);
-               }),
-           in_px);
-  EXPECT_THAT(dice.imported, HasSubstr("DICe"));
-  EXPECT_EQ(dice.lost, 1u);
-  EXPECT_FALSE(dice.sd_from_scatter);
-  EXPECT_NEAR(std::sqrt(dice.table.covariance[5](1, 1)), 0.004 * kScale * 1e-3, 1e-12);
-  expect_same(moved(dice), plain_moved, 1e-11);
-
   for (const bool up : {true, false}) {
     in_px.y = up ? TrackReading::YAxis::up : TrackReading::YAxis::down;
     const Track dltdv = read("pt1_cam1_X,pt1_cam1_Y\n" + lines([&](int k) {
