@@ -121,9 +121,9 @@ void note_gravity(Campaign& campaign) {
 void read_sections(StrictTable& top, Campaign& campaign) {
   const fs::path folder = campaign.file.parent_path();
   read_keys(top, top_keys(), campaign);
-  if (auto table = top.table("platform")) campaign.platform = read_platform(*table, WithSd::yes);
+  if (auto table = top.table("platform")) campaign.platform = read_platform(*table);
   read_part_or_parts(top, campaign);
-  if (auto table = top.table("camera")) campaign.camera = read_camera(*table, folder, WithSd::yes);
+  if (auto table = top.table("camera")) campaign.camera = read_camera(*table, folder);
   if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
   if (auto table = top.table("data")) campaign.data = read_data(*table, folder);
   if (auto table = top.table("fit")) campaign.fit = read_fit(*table);
@@ -258,12 +258,12 @@ void require_known(const Campaign& campaign, const CampaignRun& run, const std::
 
 void read_part_or_parts(StrictTable& top, Campaign& campaign) {
   if (!top.is_list("part")) {
-    if (auto table = top.table("part")) campaign.part = read_part(*table, WithSd::yes);
+    if (auto table = top.table("part")) campaign.part = read_part(*table);
     return;
   }
   std::set<std::string> taken;
   for (StrictTable& table : top.tables("part")) {
-    campaign.parts.push_back(read_part(table, WithSd::yes));
+    campaign.parts.push_back(read_part(table));
     const std::string& name = campaign.parts.back().name;
     if (name.empty()) table.fail("name", "is missing: each of several [[part]] has a `name`");
     if (name.find('/') != std::string::npos || name == "." || name == "..")
