@@ -271,23 +271,4 @@ std::optional<double> default_of(const Key<ScenarioFile>& parameter) {
   return defaults[parameter.name].get<double>();
 }
 
-model::Scenario scenario_from(const Json& json) {
-  const JsonPlace place{json, ""};
-  constexpr double most_cycles = 1e6;  // as in a campaign
-  ScenarioFile file;
-  try {
-    // In the order written: amplitude_mm sets both axes, amplitude_y_mm after it corrects the second.
-    for (const auto& [name, value] : place.object().value.items())
-      if (name != "start") set_scenario_parameter(file, name, place.at(name).number());
-    file.scenario.start = parse_start(place.at("start").text());
-    file.scenario.validate();
-  } catch (const UsageError&) {
-    place.refuse("a scenario");
-  } catch (const model::InvalidParameter&) {
-    place.refuse("a scenario that can be computed");
-  }
-  if (file.scenario.cycles > most_cycles) place.at("cycles").refuse("1000000 or less");
-  return file.scenario;
-}
-
 }  // namespace tribotrack::apps

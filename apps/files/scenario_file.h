@@ -63,7 +63,5 @@ std::string scenario_parameter_named(const std::string& name);
 
 model::Start parse_start(const std::string& word);
 Json json_of(const model::Scenario& scenario);
-/// Back from json_of.
-model::Scenario scenario_from(const Json& json);
 
 }  // namespace tribotrack::apps
