@@ -174,25 +174,6 @@ void leave_to_camera(const fs::path& file, DraftTable& run) {
   if (camera->has("disc_px")) run.erase("disc_px");
 }
 
-/// A campaign's text with one more [[run]], before the first whose recording has a later name: in whichever
-/// order recordings arrive, the campaign is the same.
-std::string with_run(std::string text, const fs::path& file, const std::string& recording,
-                     const std::string& run) {
-  if (!text.empty() && text.back() != '\n') text += '\n';
-  StrictTable top = StrictTable::parse(text, file.string());
-  std::size_t begin = 0;
-  const std::string_view kRun = "[[run]]";
-  for (StrictTable& one : top.tables("run")) {
-    while (begin < text.size() && text.compare(begin, kRun.size(), kRun) != 0)
-      begin = std::min(text.find('\n', begin), text.size() - 1) + 1;
-    if (begin == text.size()) break;  // written otherwise: behind all of them
-    if (const auto video = one.text("video"); video && fs::path(*video).filename().string() > recording)
-      return text.insert(begin, run.substr(1) + "\n");  // without the empty line before, with one behind
-    begin += kRun.size();
-  }
-  return text + run;
-}
-
 }  // namespace
 
 GrowingCampaign::GrowingCampaign(const fs::path& folder, const DraftOptions& draft)
@@ -243,7 +224,7 @@ void GrowingCampaign::add(const std::vector<fs::path>& finished, const Context& 
       continue;
     }
     leave_to_camera(file_, run);
-    write_campaign(file_, with_run(read_text(file_), file_, recording.filename().string(), toml_of_run(run)));
+    write_campaign(file_, read_text(file_) + toml_of_run(run));
   }
 }
 

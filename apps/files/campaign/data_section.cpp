@@ -45,22 +45,21 @@ bool same_point(const CampaignRun& a, const CampaignRun& b) {
 
 /// Where no sd is known: of the first such line.
 [[noreturn]] void refuse_without_sd(const CampaignRun& line, const fit::PooledPoints& pooled) {
-  const bool alpha = !line.alpha_sd, v = !line.v_sd;
+  std::vector<std::string> unknown, columns, keys;
+  const auto add = [&](bool known, const char* quantity, const char* column, const char* key) {
+    if (known) return;
+    unknown.emplace_back(quantity);
+    columns.emplace_back(column);
+    keys.emplace_back(key);
+  };
+  add(line.alpha_sd.has_value(), "alpha", "alpha_sd_deg", "alpha_sd_rad = \"2deg\"");
+  add(line.v_sd.has_value(), "v", "v_sd_mm_s", "v_sd_mm_s = 0.1");
   throw InvalidInput(fmt::format(
       "{}: nothing says how good its {} {}: {}; fill in {}, or give the sd of all lines once, [data] {}",
-      line.place,
-      alpha && v ? "alpha and v"
-      : alpha    ? "alpha"
-                 : "v",
-      alpha && v ? "are" : "is",
+      line.place, fmt::join(unknown, " and "), unknown.size() > 1 ? "are" : "is",
       pooled.along.dof + pooled.across.dof == 0 ? "it has no sd and no point of the table is measured twice"
                                                 : "it has no sd and the repeats do not differ",
-      alpha && v ? "alpha_sd_deg and v_sd_mm_s"
-      : alpha    ? "alpha_sd_deg"
-                 : "v_sd_mm_s",
-      alpha && v ? "alpha_sd_rad = \"2deg\", v_sd_mm_s = 0.1"
-      : alpha    ? "alpha_sd_rad = \"2deg\""
-                 : "v_sd_mm_s = 0.1"));
+      fmt::join(columns, " and "), fmt::join(keys, ", ")));
 }
 
 using Points = std::vector<std::vector<std::size_t>>;  ///< the lines of each
