@@ -180,8 +180,8 @@ std::vector<std::string> RunFolder::runs() const {
 
 std::vector<fs::path> RunFolder::files_of(const std::string& run) const {
   std::vector<fs::path> files;
-  for (const fs::path& file : {first_frame(run), overlay(run), overlay_video(run), measurement(run),
-                               track(run), fs::path(track(run).string() + ".meta.json")})
+  for (const fs::path& file : {first_frame(run), overlay(run), measurement(run), track(run),
+                               fs::path(track(run).string() + ".meta.json")})
     if (fs::exists(file)) files.push_back(file);
   return files;
 }

@@ -71,7 +71,6 @@ struct RunFolder {
     return track.replace_extension(".log");
   }
   std::filesystem::path overlay(const std::string& name) const { return tracks() / (name + ".png"); }
-  std::filesystem::path overlay_video(const std::string& name) const { return tracks() / (name + ".mp4"); }
   std::filesystem::path first_frame(const std::string& name) const {
     return tracks() / (name + ".first.jpg");
   }

@@ -141,8 +141,7 @@ void CampaignRunner::take_folder() {
     outputs.push_back({folder_.measurement(run.name)});
     if (run.has_track()) outputs.push_back({folder_.track(run.name)});
     if (!run.video) continue;
-    for (const fs::path& pictures :
-         {folder_.first_frame(run.name), folder_.overlay(run.name), folder_.overlay_video(run.name)})
+    for (const fs::path& pictures : {folder_.first_frame(run.name), folder_.overlay(run.name)})
       outputs.push_back({pictures, Content::pictures});
   }
   require_writable(outputs, campaign_.input_files());
@@ -195,15 +194,14 @@ Track CampaignRunner::track_of(const CampaignRun& given, const FramesDone& frame
 std::optional<std::string> CampaignRunner::why_outdated(const CampaignRun& run,
                                                         const Recording& recording) const {
   const auto why = apps::why_outdated(folder_.track(run.name), recording);
-  const bool pictures = fs::exists(folder_.first_frame(run.name)) &&
-                        (!options_.overlay_videos || fs::exists(folder_.overlay_video(run.name)));
-  return why || pictures ? why : std::optional<std::string>("its pictures are to be drawn");
+  return why || fs::exists(folder_.first_frame(run.name))
+             ? why
+             : std::optional<std::string>("its pictures are to be drawn");
 }
 
 void CampaignRunner::write_pictures(const CampaignRun& run, const Recording& recording) const {
   write_first_frame(folder_.first_frame(run.name), recording);
   write_overlay_file(folder_.overlay(run.name), recording);
-  if (options_.overlay_videos) write_overlay_file(folder_.overlay_video(run.name), recording);
 }
 
 void CampaignRunner::name_failed(const std::vector<Run>& runs) const {

@@ -22,7 +22,7 @@ struct RunnerOptions {
   std::string campaign;  ///< as the user names it
   std::string output;    ///< the folder
   std::string command = "run";
-  bool overlay_videos = false, explain = false, json = false;
+  bool explain = false, json = false;
   bool wait = false;               ///< while another process is writing into the folder
   bool locked = false;             ///< the caller holds the folder's lock
   std::size_t new_recordings = 0;  ///< the others are tracked already; 0: not known
