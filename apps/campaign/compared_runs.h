@@ -12,10 +12,6 @@
 
 namespace tribotrack::apps {
 
-/// Runs whose tracks are the same to the last bit as an earlier one's: each gets Run::repeats. Throws
-/// InvalidInput where they are given with different phi or dtau, of which one is wrong.
-void set_aside_repeated(std::vector<Run>& runs);
-
 /// 'run "b" is the recording of run "a" once more: it is counted once', one for each.
 std::vector<std::string> repeated_text(const std::vector<Run>& runs);
 
@@ -25,10 +21,6 @@ std::vector<std::string> repeated_text(const std::vector<Run>& runs);
 inline constexpr const char* kScaledByDiameter = "part's diameter";
 inline constexpr const char* kScaledByTag = "tag";
 
-/// Of the true length that the recordings' scales were measured by, the part's diameter or the side of a tag,
-/// relative; 0: exact, or the scale was given.
-double length_error(const Campaign& campaign);
-
 /// What became of the runs' own scales.
 struct SharedScale {
   vision::PooledScale pooled;
@@ -36,8 +28,7 @@ struct SharedScale {
   std::string finding;  ///< one sentence
 };
 
-/// A run whose part is of another size than the others' has failed (three or more runs, with the platform's
-/// motion seen). Where two or more runs are scaled by the part's diameter and one scale explains them, all
+/// Where two or more runs are scaled by the part's diameter and one scale explains them, all
 /// get the mean (vision::pooled_scale) and are measured again with it: the noise of each run's radius is then
 /// common to all. Where none does (the camera moved, another part) each keeps its own. A run that cannot be
 /// measured again has failed. Nothing for fewer than two such runs.

@@ -27,7 +27,7 @@ namespace {
 
 struct RunOptions {
   std::string campaign, output, part, emit;
-  bool dry_run = false, overlay_videos = false, explain = false, json = false, wait = false;
+  bool dry_run = false, explain = false, json = false, wait = false;
 };
 
 /// Jobs for a workflow engine instead of doing the work here.
@@ -41,7 +41,6 @@ void run_command(const RunOptions& options, Context& context) {
   if (!options.emit.empty()) return emit_workflow(options, context);
   const RunnerOptions runner_options = {.campaign = options.campaign,
                                         .output = options.output,
-                                        .overlay_videos = options.overlay_videos,
                                         .explain = options.explain,
                                         .json = options.json,
                                         .wait = options.wait};
@@ -69,8 +68,6 @@ void add_run(CLI::App& app, Context& context) {
                   "Only this one of the campaign's several [[part]] (default: each, into DIR/NAME)")
       ->type_name("NAME");
   command.add_flag("--dry-run", options->dry_run, "Print what would be done, and stop");
-  command.add_flag("--overlay-videos", options->overlay_videos,
-                   "Also write a labelled video of every run (tracks/NAME.mp4)");
   command.add_flag("--explain", options->explain, "Print the whole fit report, and what was left out");
   command
       .add_option("--emit", options->emit,

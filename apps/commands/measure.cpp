@@ -10,6 +10,7 @@
 #include "apps/files/camera.h"
 #include "apps/files/run_folder.h"
 #include "apps/files/tracks/any_track.h"
+#include "apps/measuring/measure_text.h"
 #include "apps/measuring/measure_track.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
@@ -60,7 +61,8 @@ void measure_command(const MeasureOptions& options, Context& context) {
     meta.configuration = result.configuration;
     write_result(options.output, text_of(result.json), meta);
   }
-  if (!is_standard_output(options.output)) print_text(options.json ? text_of(result.json) : result.text);
+  if (!is_standard_output(options.output))
+    print_text(options.json ? text_of(result.json) : measurement_text(result.json));
   for (const auto& warning : result.warnings) say(context.quiet, "warning: " + warning);
   if (result.failure.empty()) return;
   complain(result.failure);

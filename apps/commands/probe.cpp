@@ -90,31 +90,6 @@ Json coding_json(const vision::SourceInfo& info) {
   return json;
 }
 
-void print_coding(const vision::SourceInfo& info) {
-  if (!info.coder) return;
-  const vision::Coder& coder = *info.coder;
-  print("  lossy: coded by {}{}, {}{}\n", coder.name,
-        coder.settings.empty() ? ", which states no settings" : "",
-        coder.all_intra ? "every frame by itself" : fmt::format("one frame in {:.0f} by itself", coder.group),
-        coder.step > 0 ? fmt::format(", quantiser's step {:.1f} levels", coder.step) : "");
-  if (!coder.settings.empty()) print("    {}\n", coder.settings);
-  if (const auto expected = vision::forecast(coder, contrast_for(info))) {
-    print(
-        "    expected error of a position, for a disc of 30 px radius and {:.0f} levels of contrast: about "
-        "{:.2g} px{}\n",
-        contrast_for(info), expected->error_px,
-        expected->late_px > 0
-            ? fmt::format("; motion below some 0.2 px a frame comes late by up to {:.2g} px",
-                          expected->late_px)
-            : "");
-    print("    advice: {}\n", expected->advice);
-  } else if (!coder.all_intra) {
-    print(
-        "    this codec does not tell its quantiser: standard deviations of the track are on the safe "
-        "side\n");
-  }
-}
-
 Json description_of(const vision::SourceInfo& info, const vision::RepeatedFrames& repeats) {
   Json json = {{"path", info.path.string()},
                {"format", info.format},
@@ -149,7 +124,7 @@ void print_description(const vision::SourceInfo& info, const vision::RepeatedFra
         info.height, info.bits, info.colour ? ", colour" : "");
   print("  {} frames, image numbers {} to {}\n", info.frame_count, info.first_number,
         info.first_number + info.frame_count - 1);
-  print_coding(info);
+  if (info.coder) print_text(measurement_text(coding_json(info), "  coding"));
   if (info.time_base.known())
     print("  recorded at {:.10g} frames/s, from: {}{}\n", *info.time_base.rate_hz, info.time_base.source,
           info.time_base.stamps_s.empty() ? "" : " (every frame has the time of its own stamp)");

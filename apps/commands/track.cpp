@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -28,8 +29,10 @@ namespace {
 
 struct TrackCommandOptions {
   std::string input, output, disc, target, marker, gate, frames, overlay, first_frame, debug, debug_frames;
-  std::string campaign, run;  ///< instead of an input and its choices
-  TrackChoices choices;       ///< but for those that are read from the texts above
+  std::string campaign, run;                             ///< instead of an input and its choices
+  std::map<std::string, std::optional<double>> numbers;  ///< of kTrackNumbers, by their flags
+  std::string fps_reason;
+  TrackChoices choices;  ///< but for those that are read from the texts above
   bool json = false;
   bool explain = false;
 };
@@ -55,17 +58,13 @@ std::vector<double> numbers_of(const std::string& flag, const std::string& text,
   return values;
 }
 
-vision::Circle circle_of(const std::string& flag, const std::string& text,
-                         const char* form = "X,Y,R in pixels, such as 640,400,150") {
-  const auto v = numbers_of(flag, text, 3, form);
-  return {v[0], v[1], v[2]};
-}
+constexpr const char* kCircle = "X,Y,R in pixels, such as 640,400,150";
 
-vision::Rect rectangle_of(const std::string& text) {
+std::vector<std::int64_t> rectangle_of(const std::string& text) {
   const auto v = numbers_of("--template", text, 4, "X,Y,W,H in whole pixels, such as 100,40,41,41");
   for (const double value : v)
     if (value != std::floor(value)) throw UsageError("--template must be whole pixels");
-  return {static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]), static_cast<int>(v[3])};
+  return {v.begin(), v.end()};
 }
 
 std::int64_t frame_number(const std::string& flag, const std::string& text) {
@@ -93,23 +92,21 @@ void set_frames(TrackChoices& choices, const std::string& text) {
   if (parts.size() == 3) choices.frame_step = number(parts[2]);
 }
 
-vision::MarkerChoice marker_of(const std::string& text) {
-  try {
-    if (const auto named = marker_named(text)) return *named;
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(fmt::format("--marker names no tag: {}", error.what()));
-  }
-  return {vision::MarkerChoice::Kind::circle,
-          circle_of("--marker", text,
-                    fmt::format("X,Y,R in pixels, such as 200,180,24, or be {}", kMarkerWords).c_str())};
-}
-
 TrackChoices choices_of(const TrackCommandOptions& options) {
   TrackChoices choices = options.choices;
-  if (!options.disc.empty()) choices.disc = circle_of("--disc", options.disc);
-  if (!options.target.empty()) choices.rectangle = rectangle_of(options.target);
-  if (!options.marker.empty()) choices.marker = marker_of(options.marker);
-  if (!options.gate.empty()) choices.gate = circle_of("--gate", options.gate);
+  for (const TrackFlag& flag : kTrackNumbers)
+    if (const auto& value = options.numbers.at(flag.flag)) choices.keys[flag.section][flag.key] = *value;
+  Json& camera = choices.keys["camera"];
+  if (!options.fps_reason.empty()) camera["frame_rate_reason"] = options.fps_reason;
+  if (!options.disc.empty()) camera["disc_px"] = numbers_of("--disc", options.disc, 3, kCircle);
+  if (!options.target.empty()) camera["template_px"] = rectangle_of(options.target);
+  if (!options.gate.empty()) camera["gate_px"] = numbers_of("--gate", options.gate, 3, kCircle);
+  if (options.marker == "auto" || options.marker == "texture" || options.marker == "none" ||
+      options.marker.starts_with("tag:"))
+    camera["marker"] = options.marker;
+  else if (!options.marker.empty())
+    camera["marker_px"] =
+        numbers_of("--marker", options.marker, 3, fmt::format("{}, or be {}", kCircle, kMarkerWords).c_str());
   if (!options.frames.empty()) set_frames(choices, options.frames);
   return choices;
 }
@@ -283,30 +280,19 @@ void add_track(CLI::App& app, Context& context) {
       "INPUT", options->input,
       "Phantom .cine, a video, a multi-page TIFF, a folder of pictures, or a pattern dir/%05d.png");
   command.add_option("-o,--output", options->output, "The track table")->type_name("T.csv")->required();
-  add_number(command, "--fps", options->choices.fps,
-             "Rate of recording, frames/s, where the file does not give it reliably");
+  for (const TrackFlag& flag : kTrackNumbers) {
+    const bool angle = std::string_view(flag.flag).ends_with("-rad");
+    (angle ? add_angle : add_number)(command, flag.flag, options->numbers[flag.flag], flag.help);
+  }
   command
-      .add_option("--fps-reason", options->choices.fps_reason,
+      .add_option("--fps-reason", options->fps_reason,
                   "Source of the frame rate, for the meta file; required if --fps equals the file's "
                   "playback rate")
       ->type_name("TEXT");
-  add_number(command, "--mm-per-px", options->choices.mm_per_px, "Scale, of the platform's plane");
-  add_number(command, "--disc-diameter-mm", options->choices.disc_diameter_mm,
-             "Scale by the disc's true diameter; beside another scale a check of it");
-  add_number(
-      command, "--chamfer-mm", options->choices.chamfer_mm,
-      "Width of the disc's chamfer seen from above, 0 for a sharp edge: makes the scale by its diameter "
-      "sharp");
-  add_number(command, "--tag-mm", options->choices.tag_mm,
-             "Scale by the side of the tag's black square (--marker tag:...)");
   command
       .add_option("--calibration", options->choices.calibration,
                   "Scale, lens and plane of the platform from `tribotrack calibrate`")
       ->type_name("FILE");
-  add_number(command, "--height-mm", options->choices.height_mm,
-             "Height of the part's top above the marker's plane");
-  add_number(command, "--working-distance-mm", options->choices.working_distance_mm,
-             "Distance from the lens to the marker's plane: corrects the parallax together with --height-mm");
   command
       .add_option("--disc", options->disc,
                   "The disc in the first analysed frame, or where it is first seen there (default: found; "
@@ -330,8 +316,6 @@ void add_track(CLI::App& app, Context& context) {
       .add_option("--frames", options->frames,
                   "Image numbers of the first and last frame to analyse, both included; every n-th of them")
       ->type_name("A:B[:STEP]");
-  add_angle(command, "--xi-axis-rad", options->choices.xi_axis_rad,
-            "Direction of the platform's displacement at phase 0 in the picture (x right, y up)");
   command
       .add_option("--layers", options->choices.layers,
                   "Second pass with the appearance of disc and platform learned from the recording (default "

@@ -82,10 +82,10 @@ PartPlace read_place(StrictTable& table, const char* key) {
   return {read_circle(table, key), {}};
 }
 
-namespace {
-
-/// A tag of known size sets the scale.
-void check_tag(const StrictTable& table, const CameraSection& camera) {
+void check_camera(const StrictTable& table, const CameraSection& camera) {
+  if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
+  if (camera.calibration && camera.mm_per_px)
+    table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
   if (camera.marker_px && camera.marker.kind == Mark::tag)
     table.fail("marker_px", "and a tag are two marks of the platform; give one of them");
   if (!camera.tag_mm) return;
@@ -95,8 +95,6 @@ void check_tag(const StrictTable& table, const CameraSection& camera) {
     table.fail("tag_mm", fmt::format("gives the scale, and so does {}: leave one out",
                                      camera.mm_per_px ? "mm_per_px" : "calibration"));
 }
-
-}  // namespace
 
 void read_marker(StrictTable& table, CameraSection& camera, const fs::path&) {
   const auto word = table.text("marker");
@@ -125,22 +123,19 @@ Json written_marker(const CameraSection& camera) {
   }
 }
 
-CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd with_sd) {
+CameraSection read_camera(StrictTable& table, const fs::path& folder) {
   if (table.has("rehearse"))
     table.fail(
         "rehearse",
         "has left: standard deviations include what the codec may have done; leave the key out, and for "
         "smaller ones film uncompressed or FFV1");
   CameraSection camera;
-  read_keys(table, camera_keys(), camera, folder, with_sd);
-  if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
-  if (camera.calibration && camera.mm_per_px)
-    table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
+  read_keys(table, camera_keys(), camera, folder);
+  check_camera(table, camera);
   if (camera.calibration && !fs::exists(*camera.calibration))
     table.fail("calibration", fmt::format("names {}, which is not there; check its name, or make it with "
                                           "`tribotrack calibrate`",
                                           camera.calibration->string()));
-  check_tag(table, camera);
   table.finish();
   return camera;
 }
@@ -149,16 +144,20 @@ bool can_be_chamfer(double chamfer, double diameter) {
   return chamfer >= 0 && 2 * chamfer < diameter;
 }
 
-PartSection read_part(StrictTable& table, WithSd with_sd) {
+void check_part(const StrictTable& table, const PartSection& part) {
+  if (part.chamfer_mm && part.diameter_mm && !can_be_chamfer(*part.chamfer_mm, *part.diameter_mm))
+    table.fail("chamfer_mm", "must be less than half of `diameter_mm`");
+}
+
+PartSection read_part(StrictTable& table) {
   PartSection part;
-  read_keys(table, part_keys(), part, {}, with_sd);
+  read_keys(table, part_keys(), part);
   if (table.has("diameter_sd_mm") && table.has("diameter_mm_sd"))
     table.fail("diameter_sd_mm", "and `diameter_mm_sd` mean the same; give one of them");
   if (part.diameter_sd_mm > 0 && !part.diameter_mm)
     table.fail("diameter_sd_mm",
                "is the sd of `diameter_mm`, which is not given here: give both, or neither");
-  if (part.chamfer_mm && part.diameter_mm && !can_be_chamfer(*part.chamfer_mm, *part.diameter_mm))
-    table.fail("chamfer_mm", "must be less than half of `diameter_mm`");
+  check_part(table, part);
   table.finish();
   return part;
 }

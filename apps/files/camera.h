@@ -62,10 +62,13 @@ struct CameraSection {
   Digits digits = {};  ///< of what is given
 };
 
-/// Both read the whole table and refuse unknown keys; of a campaign they also take the sds that only a fit
-/// can count. Throw InvalidInput with file, line and column.
-PartSection read_part(StrictTable& table, WithSd with_sd);
-CameraSection read_camera(StrictTable& table, const std::filesystem::path& folder, WithSd with_sd);
+/// Both read the whole table and refuse unknown keys. Throw InvalidInput with file, line and column.
+PartSection read_part(StrictTable& table);
+CameraSection read_camera(StrictTable& table, const std::filesystem::path& folder);
+
+/// What of the keys contradicts each other, in the table that gives them. Throw InvalidInput.
+void check_part(const StrictTable& table, const PartSection& part);
+void check_camera(const StrictTable& table, const CameraSection& camera);
 
 /// `marker`: without marker_px, how the platform's motion is seen.
 void read_marker(StrictTable& table, CameraSection& camera, const std::filesystem::path& folder);

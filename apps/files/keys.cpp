@@ -47,7 +47,6 @@ constexpr FormFacts kForms[] = {
     {"number, 0 or more", R"({"type": "number", "minimum": 0})"},
     {"angle", R"({"type": ["number", "string"]})"},
     {"number", R"({"type": "number", "exclusiveMinimum": 0})"},
-    {"number", R"({"type": "number", "exclusiveMinimum": 0})"},
     {"whole number", R"({"type": "integer"})"},
     {"word", R"({"type": "string"})"},
     {"text", R"({"type": "string"})"},
@@ -158,7 +157,6 @@ std::optional<double> number_of(StrictTable& table, const Kind& kind, const std:
     case Kind::angle:
       return table.angle(name);
     case Kind::sd:
-    case Kind::sd_of_fit:
       return read_sd(table, name.substr(0, name.size() - 3));
     default:
       return table.number(name);
@@ -226,6 +224,9 @@ struct Reader {
       *value = *read;
     }
   }
+  void operator()(std::vector<std::string>* value) const {
+    if (auto read = table.texts(key.name)) *value = std::move(*read);
+  }
   void operator()(std::optional<std::filesystem::path>* value) const {
     if (const auto read = table.text(key.name)) *value = folder / *read;
   }
@@ -249,6 +250,7 @@ struct Writer {
   Json operator()(const bool* value) const { return kind.words.at(*value ? 1 : 0); }
   Json operator()(const model::Start* value) const { return model::to_string(*value); }
   Json operator()(const std::string* value) const { return *value; }
+  Json operator()(const std::vector<std::string>* value) const { return *value; }
   Json operator()(const std::optional<std::filesystem::path>* value) const {
     return *value ? Json((*value)->filename().string()) : Json();
   }

@@ -2,12 +2,13 @@
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <memory>
 #include <utility>
 
-#include "apps/files/camera.h"
+#include "apps/files/run_folder.h"
 #include "apps/files/track_rows.h"
 #include "apps/program/context.h"
 #include "apps/program/errors.h"
@@ -49,50 +50,40 @@ void set_frames(apps::TrackChoices& choices, const py::object& frames) {
   if (py::len(frames) == 3) choices.frame_step = frame_number(frames[py::int_(2)]);
 }
 
-std::optional<vision::MarkerChoice> marker_in(const py::dict& options) {
-  const py::object marker = member(options, "marker");
-  if (marker.is_none()) return std::nullopt;
-  if (py::isinstance<py::str>(marker)) {
-    try {
-      if (auto named = apps::marker_named(marker.cast<std::string>())) return named;
-    } catch (const std::invalid_argument& error) {
-      throw UsageError(fmt::format("--marker names no tag: {}", error.what()));
-    }
-    throw UsageError(fmt::format("--marker must be (x, y, radius) in pixels, {}, not \"{}\"",
-                                 apps::kMarkerWords, marker.cast<std::string>()));
-  }
-  return vision::MarkerChoice{vision::MarkerChoice::Kind::circle, *circle_in(options, "marker")};
-}
-
-std::optional<vision::Rect> rectangle_in(const py::dict& options) {
-  const py::object value = member(options, "template");
-  if (value.is_none()) return std::nullopt;
+std::vector<std::int64_t> rectangle_of(const py::object& value) {
   const auto v =
       numbers_of("template", value, 4, "(x, y, width, height) in whole pixels, such as (100, 40, 41, 41)");
   for (const double number : v)
     if (number != std::floor(number) || std::abs(number) > 1e9)
       throw UsageError("--template must be whole pixels");
-  return vision::Rect{static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]),
-                      static_cast<int>(v[3])};
+  return {v.begin(), v.end()};
+}
+
+/// The keyword of a flag: "mm_per_px".
+std::string keyword(std::string_view flag) {
+  std::string name(flag.substr(2));
+  std::ranges::replace(name, '-', '_');
+  return name;
 }
 
 apps::TrackChoices choices_of(const py::dict& options) {
   apps::TrackChoices choices;
-  choices.fps = number_in(options, "fps");
-  choices.fps_reason = text_in(options, "fps_reason");
-  choices.mm_per_px = number_in(options, "mm_per_px");
-  choices.disc_diameter_mm = number_in(options, "disc_diameter_mm");
-  choices.chamfer_mm = number_in(options, "chamfer_mm");
+  for (const apps::TrackFlag& flag : apps::kTrackNumbers)
+    if (const auto value = number_in(options, keyword(flag.flag).c_str()))
+      choices.keys[flag.section][flag.key] = *value;
+  apps::Json& camera = choices.keys["camera"];
+  if (const std::string reason = text_in(options, "fps_reason"); !reason.empty())
+    camera["frame_rate_reason"] = reason;
+  if (const auto disc = circle_in(options, "disc")) camera["disc_px"] = apps::circle_json(disc);
+  if (const auto gate = circle_in(options, "gate")) camera["gate_px"] = apps::circle_json(gate);
+  if (const py::object value = member(options, "template"); !value.is_none())
+    camera["template_px"] = rectangle_of(value);
+  if (const py::object marker = member(options, "marker"); py::isinstance<py::str>(marker))
+    camera["marker"] = marker.cast<std::string>();
+  else if (!marker.is_none())
+    camera["marker_px"] = apps::circle_json(circle_in(options, "marker"));
   choices.calibration = text_in(options, "calibration");
-  choices.height_mm = number_in(options, "height_mm");
-  choices.working_distance_mm = number_in(options, "working_distance_mm");
-  choices.tag_mm = number_in(options, "tag_mm");
-  choices.xi_axis_rad = number_in(options, "xi_axis_rad");
   choices.config = text_in(options, "config");
-  choices.disc = circle_in(options, "disc");
-  choices.gate = circle_in(options, "gate");
-  choices.rectangle = rectangle_in(options);
-  choices.marker = marker_in(options);
   choices.layers = text_in(options, "layers");
   set_frames(choices, member(options, "frames"));
   return choices;

@@ -139,12 +139,4 @@ double default_sd(const Exact& exact, std::string_view key, double value, const 
 /// Factor from campaign units (mm) to SI (m).
 double si_per_campaign_unit(fit::FitParameter parameter);
 
-// Several parts in one campaign: each has its own runs, fit and results.
-
-/// [part], or [[part]] for several. One [[part]] is a [part]. Throws InvalidInput.
-void read_part_or_parts(StrictTable& top, Campaign& campaign);
-
-/// Refuses runs whose part is not known, or where it is not known where a part lies.
-void check_parts(const Campaign& campaign);
-
 }  // namespace tribotrack::apps

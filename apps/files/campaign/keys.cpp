@@ -41,26 +41,25 @@ const Keys<PlatformSection>& platform_keys() {
   static const Keys<P> keys = {
       {"amplitude_mm", Kind::not_negative, milli<&P::amplitude>, "0.28",
        "A; leave out to measure it from mark or texture. 0: platform at rest"},
-      {"amplitude_mm_sd", Kind::sd_of_fit, milli<&P::amplitude_sd>, "0.001",
+      {"amplitude_mm_sd", Kind::sd, milli<&P::amplitude_sd>, "0.001",
        "its standard deviation; without one that of the last digit, 0.5 % at least"},
       {"amplitude_y_mm", Kind::not_negative, milli<&P::amplitude_y>, "0.28",
        "A_y, where the platform moves on an ellipse"},
-      {"amplitude_y_mm_sd", Kind::sd_of_fit, milli<&P::amplitude_y_sd>, "0.001"},
+      {"amplitude_y_mm_sd", Kind::sd, milli<&P::amplitude_y_sd>, "0.001"},
       {"angular_frequency_rad_s", Kind::above_zero, at<&P::angular_frequency>, "62.8",
        "w; leave out to measure it. Also as frequency_hz, w / 2 pi"},
-      {"angular_frequency_rad_s_sd", Kind::sd_of_fit, at<&P::angular_frequency_sd>, "0.001"},
+      {"angular_frequency_rad_s_sd", Kind::sd, at<&P::angular_frequency_sd>, "0.001"},
       {"phase_shift_rad", Kind::angle, at<&P::phase_shift>, "\"pi/2\"",
        "epsilon: pi/2 turns clockwise, \"-pi/2\" counter-clockwise, as seen with y up; leave out to measure "
        "it"},
-      {"phase_shift_rad_sd", Kind::sd_of_fit, at<&P::phase_shift_sd>, "0.01"},
+      {"phase_shift_rad_sd", Kind::sd, at<&P::phase_shift_sd>, "0.01"},
       {"gravity_m_s2", Kind::above_zero, at<&P::gravity>, "9.81"},
-      {"gravity_m_s2_sd", Kind::sd_of_fit, at<&P::gravity_sd>, "0.001"},
+      {"gravity_m_s2_sd", Kind::sd, at<&P::gravity_sd>, "0.001"},
       {"tilt_x_rad", Kind::angle, at<&P::tilt_x>, "\"0.1deg\"",
        "slope of the platform towards +x (right): gravity pulls with g sin(tilt)"},
-      {"tilt_x_rad_sd", Kind::sd_of_fit, at<&P::tilt_x_sd>, "0.0002",
-       "by the resolution of the spirit level"},
+      {"tilt_x_rad_sd", Kind::sd, at<&P::tilt_x_sd>, "0.0002", "by the resolution of the spirit level"},
       {"tilt_y_rad", Kind::angle, at<&P::tilt_y>, "0.0", "likewise towards +y (up)"},
-      {"tilt_y_rad_sd", Kind::sd_of_fit, at<&P::tilt_y_sd>, "0.0002"},
+      {"tilt_y_rad_sd", Kind::sd, at<&P::tilt_y_sd>, "0.0002"},
   };
   return keys;
 }
@@ -84,7 +83,7 @@ const Keys<PartSection>& part_keys() {
        "2 %"},
       {"height_mm", Kind::above_zero, at<&P::height_mm>, "0.8",
        "with working_distance_mm: the part's top is nearer to the camera than the mark"},
-      {"height_mm_sd", Kind::sd_of_fit, at<&P::height_sd_mm>, "0.01"},
+      {"height_mm_sd", Kind::sd, at<&P::height_sd_mm>, "0.01"},
   };
   return keys;
 }
@@ -96,7 +95,7 @@ const Keys<CameraSection>& camera_keys() {
        "only where the recording does not give it (see `tribotrack probe VIDEO`)"},
       {"frame_rate_reason", Kind::text, at<&C::frame_rate_reason>, "\"the camera's display\"",
        "how you know it, where the file states the rate of playback", "frame_rate_hz"},
-      {"frame_rate_hz_sd", Kind::sd_of_fit, at<&C::frame_rate_sd_hz>, "0.01"},
+      {"frame_rate_hz_sd", Kind::sd, at<&C::frame_rate_sd_hz>, "0.01"},
       {"mm_per_px", Kind::above_zero, at<&C::mm_per_px>, "0.02", "leave out to scale by the part's diameter"},
       {"tag_mm", Kind::above_zero, at<&C::tag_mm>, "8.0",
        "side of the tag's black square, where `marker` is one: sets the scale"},
@@ -106,12 +105,12 @@ const Keys<CameraSection>& camera_keys() {
        "by `tribotrack calibrate`, instead of mm_per_px"},
       {"working_distance_mm", Kind::above_zero, at<&C::working_distance_mm>, "100.0",
        "from lens to platform"},
-      {"working_distance_mm_sd", Kind::sd_of_fit, at<&C::working_distance_sd_mm>, "1.0"},
+      {"working_distance_mm_sd", Kind::sd, at<&C::working_distance_sd_mm>, "1.0"},
       {"row_time_s", Kind::number, at<&C::row_time_s>, "0.00001",
        "rolling shutter: from one row of the picture to the next one below"},
       {"xi_axis_rad", Kind::angle, at<&C::xi_axis_rad>, "0.0",
        "direction, in the picture, of the platform's displacement when the phase sensor fires"},
-      {"xi_axis_rad_sd", Kind::sd_of_fit, at<&C::xi_axis_sd_rad>, "0.01"},
+      {"xi_axis_rad_sd", Kind::sd, at<&C::xi_axis_sd_rad>, "0.01"},
       {"disc_px", Kind::circle, at<&C::disc_px>, "[640, 400, 150]",
        "x, y, radius in the first frame; leave out to have it found"},
       {"template_px", Kind::rectangle, at<&C::template_px>, "[100, 40, 41, 41]",
@@ -185,7 +184,7 @@ const Keys<FitSection>& fit_keys() {
        "what is known without an error although it has no sd (frequency_hz, tilt_x_rad, start_phase_rad, "
        "friction_law, ...); "
        "true: everything, also what is not given"},
-      {"hold_out", Kind::texts, Own<F>{read_hold_out, written_hold_out}, "[\"run name\"]",
+      {"hold_out", Kind::texts, at<&F::hold_out>, "[\"run name\"]",
        "driven runs that are not fitted, but predicted by the fit"},
       {"start", Kind::one_of(kStarts), at<&F::start>, "\"rest\"",
        "how runs start at their first analysed frame: rest, circling or steady"},

@@ -37,44 +37,37 @@ std::string text_of_track(const fs::path& path) {
   return read_text(path);
 }
 
-Track track_of(const ForeignTrack& track, const fs::path& path) {
-  return with_rows(track_described_by(track.meta.json(), path), track.rows, path);
-}
-
 }  // namespace
 
 Track read_any_track(const fs::path& path, const TrackReading& reading) {
   std::string text = text_of_track(path);
   if (is_ours(path, text)) return read_track_file(path);
   const ForeignTrack foreign = read_foreign_track(path, std::move(text), reading);
-  Track track = track_of(foreign, path);
+  Track track = with_rows(track_described_by(foreign.meta.json(), path), foreign.rows, path);
   track.inputs = foreign.meta.inputs;
   return track;
 }
 
 Track import_track(const fs::path& path, const TrackReading& reading, const fs::path& csv) {
   std::string text = text_of_track(path);
-  if (is_ours(path, text)) {
-    Track track = read_track_file(path);  // first: what cannot be read is not copied
-    write_file(csv, text);
-    if (fs::exists(meta_of(path)))
-      write_file(meta_of(csv), read_text(meta_of(path)));
-    else
-      fs::remove(meta_of(csv));
-    track.inputs = {hashed_input(csv, text)};
-    return track;
+  if (!is_ours(path, text)) {
+    const ForeignTrack foreign = read_foreign_track(path, std::move(text), reading);
+    write_result(csv, track_csv(foreign.rows), foreign.meta);
+    return read_track_file(csv);
   }
-  const ForeignTrack foreign = read_foreign_track(path, std::move(text), reading);
-  const std::string table = track_csv(foreign.rows);
-  write_result(csv, table, foreign.meta);
-  Track track = track_of(foreign, path);
-  track.inputs = {hashed_input(csv, table)};
+  Track track = read_track_file(path);  // first: what cannot be read is not copied
+  write_file(csv, text);
+  if (fs::exists(meta_of(path)))
+    write_file(meta_of(csv), read_text(meta_of(path)));
+  else
+    fs::remove(meta_of(csv));
+  track.inputs = {hashed_input(csv, text)};
   return track;
 }
 
 const char* const kTrackLayouts =
     "tracks of Tracker (t, x, y), Kinovea (Time (ms), ... X, ... Y), DLTdv (pt1_cam1_X), trackpy (frame, x, "
-    "y, particle), TrackMate, ImageJ, DICe and tribotrack are read, and of any other program a table with "
+    "y, particle), TrackMate, ImageJ and tribotrack are read, and of any other program a table with "
     "the "
     "columns t_s, x_mm, y_mm";
 
@@ -195,22 +188,6 @@ std::string name_above(const Cells& above, std::size_t column) {
   return "";
 }
 
-/// A subset's displacement and its sd, of both axes alike.
-bool take_dice(const Cells& cells, TrackColumns& columns) {
-  const auto point = std::ranges::find(columns.points, "displacement", &PointColumns::name);
-  const auto sigma = std::ranges::find(cells, "SIGMA");
-  if (!columns.frame || point == columns.points.end() || sigma == cells.end()) return false;
-  PointColumns subset = *point;
-  subset.name.clear();
-  subset.unit = "px";
-  subset.x_sd = subset.y_sd = static_cast<std::size_t>(sigma - cells.begin());
-  columns.points = {subset};
-  columns.layout = "DICe";
-  columns.y = TrackReading::YAxis::down;
-  columns.no_sd_is_lost = true;
-  return true;
-}
-
 /// Cells that name a column of a track; 0 without an x and a y.
 int known_in(const Cells& cells) {
   int known = 0, x = 0, y = 0;
@@ -268,7 +245,6 @@ TrackColumns read_track_columns(const CsvTable& table) {
                                    table.path().string(), table.holds(), kTrackLayouts));
   const bool named_above =
       std::ranges::any_of(table.above_header(), [](std::string_view cell) { return !cell.empty(); });
-  if (take_dice(table.header(), columns)) return columns;
   if (dltdv) {
     columns.layout = "DLTdv";
   } else if (image_j || (columns.particle && columns.frame)) {

@@ -69,7 +69,6 @@ class SharedConditionsTest : public ProgramTest {
       apps::Run& run = runs_.emplace_back();
       run.given = campaign_.runs[k];
       run.track = track_of(static_cast<unsigned>(k) + 1, drives[k]);
-      run.track->table.exposure = exposure_;
       measure(campaign_, run);
     }
     shared_ = {};
@@ -87,21 +86,10 @@ class SharedConditionsTest : public ProgramTest {
   }
   const fit::PlatformMotion& seen(std::size_t run) const { return *runs_[run].measurement->platform; }
 
-  double exposure_ = 1e-4;
   Campaign campaign_;
   std::vector<apps::Run> runs_;
   SharedConditions shared_;
 };
-
-TEST_F(SharedConditionsTest, AnExposureThatIsNotKnownIsNotAveragedOut) {
-  exposure_ = 0;
-  campaign("", {{}, {}, {}, {}});
-  // From none to the whole 2.5 ms: the circle is smaller by 1 - sin(h)/h at the most, h = w 2.5 ms / 2.
-  const double h = 62.8 * 2.5e-3 / 2, doubt = (1 - std::sin(h) / h) / std::sqrt(3.0);
-  EXPECT_NEAR(error_of(FitParameter::amplitude), doubt, 0.05 * doubt);
-  EXPECT_NEAR(shared_.pooled.find(fit::Source::amplitude)->used.sd, 0.28e-3 * doubt, 0.05 * 0.28e-3 * doubt);
-  EXPECT_LT(error_of(FitParameter::amplitude_ratio), 0.5 * doubt);
-}
 
 TEST_F(SharedConditionsTest, RunsThatDifferKeepTheirOwn) {
   campaign("angular_frequency_rad_s = 62.8\nphase_shift_rad = \"pi/2\"", {{}, {}, {.amplitude = 0.283e-3}});

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <functional>
 
-#include "apps/files/campaign/alpha_v_table.h"
 #include "apps/files/campaign/campaign.h"
 #include "apps/files/traces/scope_file.h"
 #include "apps/files/tracks/any_track.h"
@@ -150,7 +149,14 @@ std::vector<Sample> tracks() {
   };
 }
 
-class ForeignTables : public ProgramTest {};
+class ForeignTables : public ProgramTest {
+ protected:
+  /// A campaign whose alpha and v stand in x.csv.
+  Campaign with_table() const {
+    put(in_folder("c.toml"), "[data]\ntable = \"x.csv\"\nalpha_sd_rad = 0.02\nv_sd_mm_s = 0.1\n");
+    return read_campaign(in_folder("c.toml"));
+  }
+};
 
 TEST_F(ForeignTables, TracksOfEveryProgramHaveTheirFirstAndLastRow) {
   for (const Sample& sample : tracks()) {
@@ -217,8 +223,8 @@ TEST_F(ForeignTables, AlphaAndVOfEverySpreadsheet) {
         "alpha_rad phi_rad dtau_rad v_m_s\n5.934119456780721 0 pi/3 0.0015\n4.363323129985824 pi/2 pi/3 "
         "0.0017\n"}) {
     SCOPED_TRACE(text);
-    put(in_folder("a.csv"), text);
-    const AlphaVTable table = read_alpha_v_table(in_folder("a.csv"), {});
+    put(in_folder("x.csv"), text);
+    const Campaign table = with_table();
     ASSERT_EQ(table.runs.size(), 2u);
     EXPECT_NEAR(*table.runs[0].alpha, 340 * M_PI / 180, 1e-9);
     EXPECT_NEAR(*table.runs[0].v, 1.5e-3, 1e-12);
@@ -234,7 +240,7 @@ TEST_F(ForeignTables, ARefusalSaysWhatTheTableHolds) {
   };
   const auto track = [](const std::filesystem::path& path) { read_any_track(path, {}); };
   const auto scope = [](const std::filesystem::path& path) { read_scope_file(path); };
-  const auto alpha_v = [](const std::filesystem::path& path) { read_alpha_v_table(path, {}); };
+  const auto alpha_v = [&](const std::filesystem::path&) { with_table(); };
   const std::string other = "# lab\nTemperatur;Druck\n20,5;1\n21,5;2\n";
   const std::string holds =
       "it holds rows of 2 columns from line 3 on, separated by semicolons, with decimal commas under "

@@ -150,7 +150,7 @@ TEST_F(CampaignTest, AnSdStandsBesideItsQuantity) {
   EXPECT_EQ(json["platform"]["amplitude_mm_sd"], 0.001);
   EXPECT_TRUE(json["platform"]["gravity_m_s2_sd"].is_null());
   EXPECT_EQ(json["runs"][0]["phi_rad_sd"], 0.003);
-  EXPECT_EQ(json["runs"][0]["xi_axis_rad_sd"], 0.02);
+  EXPECT_EQ(json["camera"]["xi_axis_rad_sd"], 0.02);
 }
 
 TEST_F(CampaignTest, WhatNoLaboratoryHasIsRefused) {
