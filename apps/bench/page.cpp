@@ -136,9 +136,7 @@ Circumstances circumstances_here() {
       {"cpu", cpu_name()},
       {"compiler", TRIBOTRACK_COMPILER},
       {"compiler_flags", TRIBOTRACK_COMPILER_FLAGS},
-      {"clock",
-       "CPU time of the measuring thread, of whole commands that of their process; medians of repetitions "
-       "in which the methods take turns"},
+      {"clock", "CPU time of the measuring thread; medians of repetitions in which the methods take turns"},
       {"peers_missing", missing.empty() ? "none" : fmt::format("{}", fmt::join(missing, ", "))},
       {"load_average", getloadavg(load, 3) == 3
                            ? fmt::format("{:.2f}, {:.2f}, {:.2f}", load[0], load[1], load[2])
