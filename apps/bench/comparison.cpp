@@ -173,11 +173,11 @@ Vector2d end_by_ours(const model::Scenario& scenario) {
 }
 
 Vector2d end_by_dormand_prince(const model::Scenario& scenario) {
-  return dormand_prince(scenario, segmented_dormand_prince(scenario, 1e-8)).position;
+  return dormand_prince(scenario, 1e-8).position;
 }
 
 Vector2d end_by_recipe(const model::Scenario& scenario) {
-  return dormand_prince(scenario, paper_recipe()).position;
+  return paper_recipe(scenario).position;
 }
 
 /// In standard deviations, at z: the logarithms of mu1 and mu2, and the lag.

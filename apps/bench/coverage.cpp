@@ -119,9 +119,7 @@ Pulses pulses_of(Design design, Dice& dice) {
 
 /// Displacement over the time of the run's own cycles, m/s.
 Vector2d independent_mean_velocity(const model::Scenario& scenario) {
-  DormandPrinceOptions options = segmented_dormand_prince(scenario, kFine);
-  options.max_steps = kMostSteps;
-  const PeerResult end = dormand_prince(scenario, options);
+  const PeerResult end = dormand_prince(scenario, kFine, kMostSteps);
   if (!end.finished) throw PeerHangs();
   return end.position / scenario.end_time();
 }

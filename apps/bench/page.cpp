@@ -129,7 +129,6 @@ long held_in(const std::vector<ExtremeRow>& rows) {
 }  // namespace
 
 Circumstances circumstances_here() {
-  const std::vector<std::string> missing = missing_libraries();
   double load[3];
   return {
       {"program", "tribotrack " TRIBOTRACK_VERSION},
@@ -137,7 +136,7 @@ Circumstances circumstances_here() {
       {"compiler", TRIBOTRACK_COMPILER},
       {"compiler_flags", TRIBOTRACK_COMPILER_FLAGS},
       {"clock", "CPU time of the measuring thread; medians of repetitions in which the methods take turns"},
-      {"peers_missing", missing.empty() ? "none" : fmt::format("{}", fmt::join(missing, ", "))},
+      {"peers_missing", missing_library().empty() ? "none" : missing_library()},
       {"load_average", getloadavg(load, 3) == 3
                            ? fmt::format("{:.2f}, {:.2f}, {:.2f}", load[0], load[1], load[2])
                            : "unknown"}};

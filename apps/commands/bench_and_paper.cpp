@@ -44,9 +44,9 @@ auto measured(const std::string& name, Options options, const Context& context, 
 void bench_of_model(const BenchOptions& asked, const Context& context, bench::BenchResults& results) {
   bench::ModelBenchOptions options;
   options.quick = asked.quick;
-  for (const std::string& library : bench::missing_libraries())
+  if (const std::string missing = bench::missing_library(); !missing.empty())
     say(context.quiet,
-        fmt::format("bench model: this build was made without {}; its solvers are not compared", library));
+        fmt::format("bench model: this build was made without {}; its solvers are not compared", missing));
   results.comparisons.push_back(measured("bench model", options, context, bench::bench_model));
   results.extremes = measured("bench model, extremes", options, context, bench::bench_extremes);
   results.omissions = measured("bench model, omissions", options, context, bench::bench_omissions);
@@ -109,8 +109,8 @@ void run_bench(const BenchOptions& asked, const Context& context) {
 
 /// For --help.
 std::string peers_of_this_build() {
-  const std::vector<std::string> missing = bench::missing_libraries();
-  return missing.empty() ? "" : fmt::format("\nThis build was made without {}.", fmt::join(missing, " and "));
+  const std::string missing = bench::missing_library();
+  return missing.empty() ? "" : fmt::format("\nThis build was made without {}.", missing);
 }
 
 }  // namespace
