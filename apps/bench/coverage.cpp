@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
 #include <cmath>
 #include <mutex>
 #include <numbers>
@@ -286,26 +287,6 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// P(X <= k) for X binomial.
-double binomial_cdf(int k, int n, double p) {
-  double sum = 0;
-  for (int i = 0; i <= k; ++i)
-    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0) + i * std::log(p) +
-                    (n - i) * std::log1p(-p));
-  return sum;
-}
-
-/// p in (0, 1) where a falling function of it crosses `level`.
-template <class Function>
-double where_it_falls_to(double level, const Function& f) {
-  double low = 0, high = 1;
-  for (int k = 0; k < 60; ++k) {
-    const double middle = (low + high) / 2;
-    (f(middle) > level ? low : high) = middle;
-  }
-  return (low + high) / 2;
-}
-
 bool is_open(const std::vector<Interval>& pieces, bool turns) {
   double width = 0;
   for (const Interval& piece : pieces) width += piece.high - piece.low;
@@ -341,9 +322,9 @@ std::vector<CoverageRow> judge(Design design, NoiseLevel level, const CoverageCa
 }  // namespace
 
 Interval binomial_ci95(int hits, int trials) {
-  return {
-      hits > 0 ? where_it_falls_to(0.975, [&](double p) { return binomial_cdf(hits - 1, trials, p); }) : 0,
-      hits < trials ? where_it_falls_to(0.025, [&](double p) { return binomial_cdf(hits, trials, p); }) : 1};
+  using Binomial = boost::math::binomial_distribution<>;
+  return {Binomial::find_lower_bound_on_p(trials, hits, 0.025),
+          Binomial::find_upper_bound_on_p(trials, hits, 0.025)};
 }
 
 Interval CoverageRow::share_ci95() const {
