@@ -242,11 +242,6 @@ bool add_model_path(ReportRun& run, long most_steps) {
   return true;
 }
 
-void note_no_model_path(const ReportRun& run, ReportData& data) {
-  data.warnings.push_back(fmt::format(
-      "run {}: the model's path is left out: the motion takes too many steps to follow", run.name));
-}
-
 void add_drawings(ReportRun& run) {
   const auto value = [&](const char* key) { return run.value(key).value; };
   if (std::isnan(value("amplitude_mm")) || run.track.table.marker.empty()) return;

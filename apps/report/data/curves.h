@@ -44,7 +44,6 @@ inline constexpr long kMostPathSteps = 1'000'000;
 /// in the camera's frame, which holds the platform's motion too.
 /// False where the motion takes more than `most_steps` steps to follow; then there is no model path.
 bool add_model_path(ReportRun& run, long most_steps = kMostPathSteps);
-void note_no_model_path(const ReportRun& run, ReportData& data);
 
 /// Platform and lamp of a run as drawn: orbit, phase residual over time, brightness over phase; nothing where
 /// the platform was not seen to move. The lines drawn are the numbers of ReportRun::measured, not a new

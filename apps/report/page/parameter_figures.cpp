@@ -257,9 +257,10 @@ std::vector<Figure> residual_figures(const ReportData& data) {
               .y = plot::with_zero_line(plot::axis("residual, σ", -largest, largest)),
               .shapes = {plot::stripe(-2, 2)}};
   for (std::size_t k = 0; k < kinds.size(); ++k) {
-    const std::string name = observable_text(kinds[k].observable);
-    panel.traces.push_back(plot::points(name.substr(0, name.find(" (")), kinds[k].x, kinds[k].y,
-                                        {.colour = static_cast<int>(k), .legend = true}, kinds[k].notes));
+    const std::string& observable = kinds[k].observable;  // "alpha_rad"
+    panel.traces.push_back(plot::points(sentence_html(observable.substr(0, observable.find('_'))), kinds[k].x,
+                                        kinds[k].y, {.colour = static_cast<int>(k), .legend = true},
+                                        kinds[k].notes));
   }
   Figure figure{.id = "residuals", .title = "Residuals, run by run", .panels = {panel}, .height = 0.36};
   figure.caption =
