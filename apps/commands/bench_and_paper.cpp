@@ -169,9 +169,6 @@ void add_bench(CLI::App& app, Context& context) {
 
 namespace {
 
-constexpr const char* kFigures[] = {"figure3", "figure4", "figure5",  "figure6",
-                                    "figure7", "figure9", "figure10", "figure11"};
-
 /// The scenarios by their hashes.
 MetaFile meta_of_paper() {
   MetaFile meta;
@@ -190,14 +187,10 @@ Paper compute(const Context& context) {
 void run_paper(const fs::path& folder, bool json, const Context& context) {
   create_folder(folder);
   const fs::path page = folder / "paper.html", claims = folder / "claims.csv";
-  std::vector<Output> outputs = {{page}, {claims}};
-  for (const char* figure : kFigures) outputs.push_back({folder / fmt::format("{}.csv", figure)});
-  require_writable(outputs);
+  require_writable({{page}, {claims}});
 
   const Paper paper = compute(context);
   const MetaFile meta = meta_of_paper();
-  for (const PaperFigure& figure : paper.figures)
-    write_result(folder / (figure.id + ".csv"), csv_of(figure), meta);
   write_result(claims, claims_csv(paper), meta);
   write_result(page, page_of(paper), meta);
   say(context.quiet, fmt::format("{}: {} figures, {} claims: {}", page.string(), paper.figures.size(),
@@ -218,8 +211,7 @@ void add_paper(CLI::App& app, Context& context) {
   command
       .add_option("-o,--output", *output,
                   "Folder for paper.html (self-contained: figures 3 to 7 and the model's side of 9 to 11, "
-                  "beside each what the paper claims, what is found and the verdict), claims.csv and the "
-                  "figures' numbers, figure3.csv to figure11.csv")
+                  "beside each what the paper claims, what is found and the verdict) and claims.csv")
       ->type_name("DIR")
       ->required();
   auto json = std::make_shared<bool>(false);

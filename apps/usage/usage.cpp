@@ -82,9 +82,7 @@ const std::vector<Left>& all_that_left() {
        {"--frames", "--diameters", "--keep", "--full"},
        "`track --explain` tells the time of each stage"},
       {"bench", {"--figures"}, "bench.html saves each figure as SVG, and its numbers as CSV"},
-      {"paper",
-       {"--figures"},
-       "paper.html saves each figure as SVG; its numbers are in figure3.csv to figure11.csv"},
+      {"paper", {"--figures"}, "paper.html saves each figure as SVG, and its numbers as CSV"},
   };
   return all;
 }
