@@ -59,8 +59,10 @@ struct Ends {
   /// Progress is shown as it comes on a terminal alone.
   void terminal() {
     termios raw{};
+    if (::openpty(&read, &write, nullptr, nullptr, nullptr) != 0 || ::tcgetattr(write, &raw) != 0)
+      throw std::runtime_error(std::strerror(errno));
     ::cfmakeraw(&raw);
-    if (::openpty(&read, &write, nullptr, &raw, nullptr) != 0) throw std::runtime_error(std::strerror(errno));
+    ::tcsetattr(write, TCSANOW, &raw);
     for (const int end : {read, write}) ::fcntl(end, F_SETFD, FD_CLOEXEC);
   }
 };
