@@ -21,27 +21,11 @@ namespace tribotrack::apps {
 
 std::string escape_html(std::string_view text) {
   std::string escaped;
-  escaped.reserve(text.size());
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&#39;";
-        break;
-      default:
-        escaped += c;
-    }
+    constexpr std::string_view kSigns = "&<>\"'";
+    constexpr const char* kEntities[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
+    const std::size_t sign = kSigns.find(c);
+    escaped += sign == kSigns.npos ? std::string{c} : kEntities[sign];
   }
   return escaped;
 }

@@ -58,7 +58,7 @@ Returned track(const std::string& path, const std::string& options, const pybind
                const pybind11::object& frames);
 
 inline pybind11::array_t<double> array_of(const std::vector<double>& values) {
-  return {static_cast<pybind11::ssize_t>(values.size()), values.data()};
+  return pybind11::array_t<double>(static_cast<pybind11::ssize_t>(values.size()), values.data());
 }
 
 }  // namespace tribotrack::python

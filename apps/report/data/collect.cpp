@@ -10,6 +10,7 @@
 #include <iterator>
 #include <set>
 
+#include "apps/campaign/compared_runs.h"
 #include "apps/program/errors.h"
 #include "fit/fit_result_json.h"
 

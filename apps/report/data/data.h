@@ -73,7 +73,7 @@ struct ReportRun {
 };
 
 /// Runs that differ in one of phi, dtau and share the other, with the model's curve through them.
-/// Made by group_over_phi / group_over_dtau, the curve by add_curves (curves.h).
+/// Made by groups_over(), the curve by add_curves (curves.h).
 struct ReportGroup {
   double shared_rad = no_value;     ///< dtau of a group over phi, phi of a group over dtau
   std::vector<std::size_t> runs;    ///< indices into ReportData::runs

@@ -48,10 +48,6 @@ constexpr Dependence dependences[] = {
     {"v-dtau", false, false, "Mean velocity against the width of the friction pulse", "paper, figure 10"},
 };
 
-double shown_x(const ReportRun& run, const Dependence& figure) {
-  return figure.over_phi ? phi_in_one_turn(run.phi_rad) : run.dtau_rad;
-}
-
 /// What the runs of a group measured, beside the model in the standard deviations that chi^2 uses.
 struct Measured {
   Values x, y, sd, residual;
@@ -65,7 +61,7 @@ Measured measured(const ReportData& data, const ReportGroup& group, const Depend
     const char* observable = figure.of_alpha ? "alpha_rad" : "v_mm_s";
     const fit::Estimate seen = run.value(observable);
     const double used_sd = run.residual(observable, &fit::Residual::sd);
-    points.x.push_back(shown_x(run, figure));
+    points.x.push_back(angle_over(figure.over_phi ? Over::phi : Over::dtau, run));
     points.y.push_back(seen.value);
     points.sd.push_back(seen.sd);
     const double difference = seen.value - run.modelled(observable);
