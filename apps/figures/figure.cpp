@@ -47,7 +47,6 @@ Values reach(const Panel& panel, bool along_x) {
   for (const Json& trace : panel.traces) {
     const Values values = plot::values_of(trace, along_x ? "x" : "y");
     all.insert(all.end(), values.begin(), values.end());
-    if (along_x && trace.contains("orientation")) all.push_back(0);
     if (!along_x && trace.contains("fill")) {
       const Values high = plot::values_of(trace, "customdata");
       all.insert(all.end(), high.begin(), high.end());

@@ -67,8 +67,6 @@ Json points(const std::string& name, const Values& x, const Values& y, const Loo
 Json line(const std::string& name, const Values& x, const Values& y, const Look& look = {});
 /// From `low` to `high` over x.
 Json band(const std::string& name, const Values& x, const Values& low, const Values& high, const Look& look);
-/// Lying, from 0 to x at height y.
-Json bars(const Values& x, const Values& y, const Notes& notes, const Look& look);
 /// Notes in ink, written at the points.
 Json labels(const Values& x, const Values& y, const Notes& notes);
 

@@ -139,8 +139,7 @@ PageSection parameter_section(const ReportData& data, const std::vector<Figure>&
 PageSection budget_section(const ReportData& data, const std::vector<Figure>& figures) {
   PageSection section{"budget", "Where the uncertainty comes from", ""};
   if (!data.fitted()) return section;
-  section.html =
-      budget_table(data.fit) + figure_box(figures, "budget-shares") + figure_box(figures, "influence");
+  section.html = budget_table(data.fit) + figure_box(figures, "influence");
   return section;
 }
 
