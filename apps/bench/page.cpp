@@ -82,8 +82,8 @@ Figure figure_of(const Comparison& comparison) {
     dots.large = row.ours;
     dots.x.push_back(row.time);
     dots.y.push_back(row.error > 0 ? row.error : std::pow(10, y["range"][0].get<double>()));
-    dots.notes.push_back(fmt::format("{} {}, {}: {:.2g} {} {}", row.method, row.setting, row.scene, row.error,
-                                     comparison.unit, verdict(row)));
+    dots.notes.push_back(
+        fmt::format("{} {}, {}: {:.2g} {}", row.method, row.setting, row.scene, row.error, comparison.unit));
   }
   std::vector<std::string> legend;
   for (const Group& group : groups) {
@@ -189,9 +189,11 @@ std::string page_of(const BenchResults& results, const Circumstances& circumstan
   page.first =
       paragraph(
           "Errors are distances from a reference that was made in another way or is known because the data "
-          "were simulated; run times are CPU times. Each row of others is set against one row of tribotrack "
-          "as users get it: the fastest that is as accurate or, where none is, the most accurate; PEER WINS "
-          "marks what others do better.") +
+          "were simulated; run times are CPU times. In each group of scenes the best row of tribotrack as "
+          "users "
+          "get it is set against the best of others: the fastest that reach the error named or, where none "
+          "is "
+          "named, the most accurate; PEER WINS marks what others do better.") +
       table_of(summary_of(results)).html();
   page.figures = figures_of(results);
   for (const Comparison& comparison : results.comparisons)

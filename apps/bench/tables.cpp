@@ -116,9 +116,7 @@ Table table_of(const Comparison& comparison) {
       {"arrived", "arrived", [](const Row& r) { return yes(r.arrived); }},
       {"error", comparison.error, [](const Row& r) { return number(r.error); }},
       {"error_unit", "unit", [&](const Row&) { return word(comparison.unit); }},
-      {"time_s", "time", [](const Row& r) { return seconds(r.time); }},
-      {"error_over_ours", "", [](const Row& r) { return number(r.error_over_ours); }},
-      {"time_over_ours", "", [](const Row& r) { return number(r.time_over_ours); }}};
+      {"time_s", "time", [](const Row& r) { return seconds(r.time); }}};
   if (!comparison.rows.empty())
     for (const Detail& detail : comparison.rows.front().details) {
       std::string heading = detail.name;
@@ -126,7 +124,6 @@ Table table_of(const Comparison& comparison) {
       columns.push_back({detail.name, heading,
                          [name = detail.name](const Row& r) { return number(r.at(name), "{:.4g}"); }});
     }
-  columns.push_back({"verdict", "against ours", [](const Row& r) { return word(verdict(r)); }});
   return {"bench_" + comparison.name, comparison.title + " (" + comparison.time + ")", comparison.rows,
           columns};
 }

@@ -103,7 +103,6 @@ void run_bench(const BenchOptions& asked, const Context& context) {
     results.comparisons.push_back(measured("bench fit", options, context, bench::bench_fit));
   }
   if (wanted("fit") || wanted("coverage")) bench_of_coverage(asked, context, results);
-  for (bench::Comparison& comparison : results.comparisons) set_against_ours(comparison);
   write_results(asked, context, results, here);
 }
 
@@ -157,7 +156,7 @@ void add_bench(CLI::App& app, Context& context) {
   add_common(
       command, context,
       "  tribotrack bench model -o bench\n\nTables go to stderr, the names of the files written to stdout; "
-      "bench.html shows all of\nit. Where another method is more accurate or faster, the tables mark it PEER "
+      "bench.html shows all of\nit. Where another method is more accurate or faster, the summary says PEER "
       "WINS. "
       "One thread is used,\nand all for the simulated campaigns. `bench model` includes SUNDIALS and "
       "Boost.odeint "

@@ -123,7 +123,7 @@ Tell teller(const py::function& tell) {
     if (now < due || !next->compare_exchange_strong(due, now + std::chrono::milliseconds(50))) return;
     const py::gil_scoped_acquire locked;
     try {
-      py::handle(called)(stage, done, total);
+      py::handle{called}(stage, done, total);
     } catch (const py::error_already_set&) {
       throw Stop{};
     }
