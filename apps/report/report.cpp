@@ -154,8 +154,10 @@ PageSection provenance_section(const ReportData& data) {
     html +=
         "<details class=\"print\"><summary>Inputs and their hashes</summary>\n<table id=\"inputs\" "
         "class=\"compact\"><thead><tr><th>File</th><th>Hash</th></tr></thead><tbody>";
-    for (const ReportSource& input : data.inputs)
-      html += "<tr>" + cell(escape_html(input.name)) + cell("<code>" + escape_html(input.hash) + "</code>") +
+    for (const Input& input : data.inputs)
+      html += "<tr>" + cell(escape_html(input.path.filename().string())) +
+              cell("<code>xxh3-128:" + escape_html(input.xxh3_128) + "</code>" +
+                   (input.hashed.empty() ? "" : ", " + escape_html(input.hashed))) +
               "</tr>";
     html += "</tbody></table></details>\n";
   }

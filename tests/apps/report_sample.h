@@ -222,8 +222,8 @@ inline ReportData campaign(unsigned seed = 1) {
     }
   }
   data.program_version = "0.1.0";
-  data.inputs = {{"campaign.toml", "xxh3-128:0123456789abcdef0123456789abcdef"},
-                 {"phi0_dtau60.cine", "xxh3-128:fedcba9876543210fedcba9876543210"}};
+  data.inputs = {{"campaign.toml", "0123456789abcdef0123456789abcdef"},
+                 {"phi0_dtau60.cine", "fedcba9876543210fedcba9876543210"}};
   data.configuration =
       "[platform]\namplitude_mm = 0.28\n\n[fit]\nparameters = [\"mu1\", \"mu2\", \"phase_lag_rad\"]\n";
   return data;

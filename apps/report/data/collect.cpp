@@ -36,15 +36,6 @@ double number_at(const JsonPlace& place, const std::string& key) {
   return place.number(key, no_value);
 }
 
-std::string file_name(const std::string& path) {
-  return fs::path(path).filename().string();
-}
-
-ReportSource source_of(const Input& input) {
-  return {file_name(input.path.string()),
-          "xxh3-128:" + input.xxh3_128 + (input.hashed.empty() ? "" : ", " + input.hashed)};
-}
-
 // From the meta file.
 
 /// A campaign by its file's name, or by its folder's where the file is just called campaign.toml.
@@ -102,8 +93,7 @@ void read_meta(const Json& meta, const fs::path& file, ReportData& data) {
   data.part = part_text(configuration);
   const JsonPlace inputs = place.at("inputs").list();
   for (const JsonPlace& input : inputs.items())
-    data.inputs.push_back(
-        source_of({input.at("path").text(), input.at("xxh3_128").text(), input.text("hashed")}));
+    data.inputs.push_back({input.at("path").text(), input.at("xxh3_128").text(), input.text("hashed")});
   if (!data.inputs.empty()) data.title = title_of(inputs.at(std::size_t{0}).at("path").text());
   if (const std::string title = configuration.text("title"); !title.empty()) data.title = title;
   data.configuration = configuration.value.dump(2, ' ', false, Json::error_handler_t::replace);
@@ -198,7 +188,7 @@ void add_track(const RunFolder& folder, ReportRun& run, ReportData& data) {
   if (std::ifstream picture(folder.first_frame(run.name), std::ios::binary); picture)
     run.first_frame.assign(std::istreambuf_iterator<char>(picture), {});
   if (!run.free_slide) add_drawings(run);
-  for (const Input& input : track.recorded_in) data.inputs.push_back(source_of(input));
+  data.inputs.insert(data.inputs.end(), track.recorded_in.begin(), track.recorded_in.end());
 }
 
 /// What `run` left of its recording; notes what is missing.
@@ -233,15 +223,6 @@ void add_run(const JsonPlace& configuration, const RunFolder& folder, ReportRun&
                                number_at(configuration, "alpha_sd_rad")};
   run.measured["v_mm_s"] = {number_at(configuration, "v_mm_s"), number_at(configuration, "v_sd_mm_s")};
   run.cycles = configuration.integer("cycles", 0);
-}
-
-[[noreturn]] void refuse_file(const fs::path& file) {
-  if (file.filename() == "fit.json")
-    throw InvalidInput(fmt::format(
-        "{}: is not a folder; name the folder that `run` filled: `tribotrack report {} -o r.html`",
-        file.string(), file.has_parent_path() ? file.parent_path().string() : "."));
-  throw InvalidInput(fmt::format(
-      "{}: is not a folder; name one that `tribotrack run CAMPAIGN.toml -o DIR` filled", file.string()));
 }
 
 }  // namespace
@@ -289,7 +270,10 @@ std::vector<std::string> pooled_by_cause(const std::vector<std::string>& sentenc
 }
 
 ReportData collect(const RunFolder& folder, long most_steps) {
-  if (fs::exists(folder.root) && !fs::is_directory(folder.root)) refuse_file(folder.root);
+  if (fs::exists(folder.root) && !fs::is_directory(folder.root))
+    throw InvalidInput(
+        fmt::format("{}: is not a folder; name the one that `tribotrack run CAMPAIGN.toml -o DIR` filled",
+                    folder.root.string()));
   if (!fs::exists(folder.fit()))
     throw InvalidInput(
         fmt::format("{}: holds no fit.json; make one with `tribotrack run CAMPAIGN.toml -o {}`",

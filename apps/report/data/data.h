@@ -83,12 +83,6 @@ struct ReportGroup {
   std::vector<double> curve_v_mm_s, curve_v_sd_mm_s;
 };
 
-/// An input file by its bytes.
-struct ReportSource {
-  std::string name;
-  std::string hash;  ///< with its kind: "xxh3-128:...", and what of the file it is of where not all
-};
-
 struct ReportData {
   std::string title = "tribotrack report";
   std::string part;    ///< "6 × 0.8 mm", empty where it is not stated
@@ -111,7 +105,7 @@ struct ReportData {
   std::vector<ReportGroup> over_dtau;  ///< figures 9b and 10
 
   std::string program_version;
-  std::vector<ReportSource> inputs;
+  std::vector<Input> inputs;
   std::string configuration;  ///< effective, as text
 };
 
