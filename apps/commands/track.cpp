@@ -226,13 +226,16 @@ std::vector<std::filesystem::path> inputs_of(const Campaign& campaign, const Cam
   return inputs;
 }
 
-/// As `run` does it: the bytes of the track are the same.
+/// As `run` does it: the bytes of the track are the same, unless --frames asks for some only.
 void track_run(const TrackCommandOptions& options, double started, Context& context) {
   if (options.run.empty()) throw CLI::RequiredError("--run NAME");
   if (is_standard_output(options.output))
     throw UsageError("the track of a campaign's run is a file: give -o T.csv");
   const Campaign campaign = campaign_of_part(read_campaign(campaign_file(options.campaign)), "");
-  const CampaignRun& run = run_named(campaign, options.run);
+  CampaignRun run = run_named(campaign, options.run);
+  if (options.choices.first_frame) run.first_frame = options.choices.first_frame;
+  if (options.choices.last_frame) run.last_frame = options.choices.last_frame;
+  run.frame_step = options.choices.frame_step.value_or(run.frame_step);
   check_outputs(options, inputs_of(campaign, run));
   leaving_word(run, options.output, [&] {
     if (!run.video) {
@@ -266,8 +269,8 @@ void track_command(const TrackCommandOptions& options, Context& context) {
 void exclude_choices(CLI::App& command, CLI::Option& campaign) {
   for (const char* name :
        {"INPUT", "--fps", "--fps-reason", "--mm-per-px", "--disc-diameter-mm", "--calibration", "--height-mm",
-        "--working-distance-mm", "--disc", "--template", "--marker", "--gate", "--frames", "--xi-axis-rad",
-        "--layers", "--debug", "--debug-frames", "--config"})
+        "--working-distance-mm", "--disc", "--template", "--marker", "--gate", "--xi-axis-rad", "--layers",
+        "--debug", "--debug-frames", "--config"})
     campaign.excludes(command.get_option(name));
 }
 

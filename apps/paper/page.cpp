@@ -90,8 +90,8 @@ PageSection sources_section() {
           "out.</p>\n<p>The conditions of each figure stand below it and in <code>data/figure*.toml</code>, "
           "which this program carries. The motion, equation (5) of the paper, is solved between its events: "
           "friction switches, stops and releases are hit exactly, and an end after 20 cycles is good to some "
-          "10<sup>−13</sup> of the path.</p>\n<p>The numbers of each figure are in <code>figure3.csv</code> "
-          "to <code>figure11.csv</code> beside this page, the verdicts in <code>claims.csv</code>. "
+          "10<sup>−13</sup> of the path.</p>\n<p>The verdicts are in <code>claims.csv</code> beside this "
+          "page. "
           "<code>tribotrack sweep data/figure6a.toml -o figure6a.csv</code> gives the curves of one "
           "panel.</p>\n",
           kPaper)};

@@ -219,8 +219,8 @@ void CampaignRunner::fit_all() {
 }
 
 void CampaignRunner::report() const {
-  const MetaFile meta = write_fit(folder_.fit(), campaign_, fitted_);
-  const Report report = report_of({fitted_.json, meta.json(), fitted_.runs, folder_});
+  write_fit(folder_.fit(), campaign_, fitted_);
+  const Report report = report_of(folder_);
   write_file(folder_.runs_table(), report.runs_csv);
   write_file(folder_.parameter_table(), report.parameters_csv);
   write_file(folder_.text(), report.text);

@@ -86,11 +86,9 @@ const std::vector<Left>& all_that_left() {
        "`bench coverage` runs whole, on all cores; `--campaigns N` says how many"},
       {"bench",
        {"--frames", "--diameters", "--keep", "--full"},
-       "`bench vision` times whole commands on recordings of its own"},
+       "`track --explain` tells the time of each stage"},
       {"bench", {"--figures"}, "bench.html saves each figure as SVG, and its numbers as CSV"},
-      {"paper",
-       {"--figures"},
-       "paper.html saves each figure as SVG; its numbers are in figure3.csv to figure11.csv"},
+      {"paper", {"--figures"}, "paper.html saves each figure as SVG, and its numbers as CSV"},
   };
   return all;
 }
