@@ -76,6 +76,41 @@ double common_of_rim(const Run& run) {
   return track.disc_radius_px > 0 ? track.disc_radius_common_sd_px / track.disc_radius_px : 0;
 }
 
+constexpr double kOtherSize = 0.05;     ///< of the diameter: parts of one kind do not differ by so much
+constexpr double kSamePlatform = 0.03;  ///< of A, which the camera sees at its true scale
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// A part that is smaller than the others makes its recording's pixels, and with them the platform's
+/// amplitude, too large by one and the same factor. A camera that was moved leaves the amplitude as it is.
+void set_aside_other_parts(const Campaign& campaign, std::vector<Run>& runs) {
+  std::vector<Run*> seen;
+  std::vector<double> scales, amplitudes;
+  for (Run& run : runs)
+    if (scaled_by_diameter(run) && run.measurement && run.measurement->platform) {
+      seen.push_back(&run);
+      scales.push_back(*run.track->mm_per_px);
+      amplitudes.push_back(run.measurement->platform->amplitude.value);
+    }
+  if (seen.size() < 3) return;
+  const double usual = median_of(scales), amplitude = median_of(amplitudes);
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    const double ratio = scales[k] / usual;
+    if (std::abs(ratio - 1) < kOtherSize || std::abs(amplitudes[k] / amplitude / ratio - 1) > kSamePlatform)
+      continue;
+    seen[k]->failure = fmt::format(
+        "{}: run \"{}\": by the scale of the other recordings its part is {:.3g} mm across, not {:.3g} mm: "
+        "is it "
+        "another part? leave the run out, or give its mm_per_px",
+        seen[k]->given.place, seen[k]->given.name, *campaign.part.diameter_mm / ratio,
+        *campaign.part.diameter_mm);
+  }
+}
+
 }  // namespace
 
 void rescale(Track& track, const vision::Scale& scale) {
@@ -93,6 +128,7 @@ void rescale(Track& track, const vision::Scale& scale) {
 
 std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Run>& runs) {
   set_aside_repeated(runs);
+  set_aside_other_parts(campaign, runs);
   std::vector<vision::Scale> scales;
   double of_rim = 0;
   for (const Run& run : runs)
@@ -108,7 +144,8 @@ std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Run
   if (!shared.used) {
     shared.finding = fmt::format(
         "{} is not the same in all {} recordings (they scatter by {:.2g} %, chi2 {:.3g}): did the camera "
-        "move, or is one another part? each keeps its own scale",
+        "move? "
+        "each keeps its own scale",
         campaign.camera.tag_mm ? "the tag's side" : "the part's diameter", shared.pooled.count,
         100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px, shared.pooled.chi2);
     return shared;

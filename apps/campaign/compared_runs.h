@@ -28,7 +28,8 @@ struct SharedScale {
   std::string finding;  ///< one sentence
 };
 
-/// Where two or more runs are scaled by the part's diameter and one scale explains them, all
+/// A run whose part is of another size than the others' has failed (three or more runs, with the platform's
+/// motion seen). Where two or more runs are scaled by the part's diameter and one scale explains them, all
 /// get the mean (vision::pooled_scale) and are measured again with it: the noise of each run's radius is then
 /// common to all. Where none does (the camera moved, another part) each keeps its own. A run that cannot be
 /// measured again has failed. Nothing for fewer than two such runs.

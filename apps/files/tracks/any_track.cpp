@@ -67,7 +67,7 @@ Track import_track(const fs::path& path, const TrackReading& reading, const fs::
 
 const char* const kTrackLayouts =
     "tracks of Tracker (t, x, y), Kinovea (Time (ms), ... X, ... Y), DLTdv (pt1_cam1_X), trackpy (frame, x, "
-    "y, particle), TrackMate, ImageJ and tribotrack are read, and of any other program a table with "
+    "y, particle), TrackMate, ImageJ, DICe and tribotrack are read, and of any other program a table with "
     "the "
     "columns t_s, x_mm, y_mm";
 
@@ -188,6 +188,22 @@ std::string name_above(const Cells& above, std::size_t column) {
   return "";
 }
 
+/// A subset's displacement and its sd, of both axes alike.
+bool take_dice(const Cells& cells, TrackColumns& columns) {
+  const auto point = std::ranges::find(columns.points, "displacement", &PointColumns::name);
+  const auto sigma = std::ranges::find(cells, "SIGMA");
+  if (!columns.frame || point == columns.points.end() || sigma == cells.end()) return false;
+  PointColumns subset = *point;
+  subset.name.clear();
+  subset.unit = "px";
+  subset.x_sd = subset.y_sd = static_cast<std::size_t>(sigma - cells.begin());
+  columns.points = {subset};
+  columns.layout = "DICe";
+  columns.y = TrackReading::YAxis::down;
+  columns.no_sd_is_lost = true;
+  return true;
+}
+
 /// Cells that name a column of a track; 0 without an x and a y.
 int known_in(const Cells& cells) {
   int known = 0, x = 0, y = 0;
@@ -245,6 +261,7 @@ TrackColumns read_track_columns(const CsvTable& table) {
                                    table.path().string(), table.holds(), kTrackLayouts));
   const bool named_above =
       std::ranges::any_of(table.above_header(), [](std::string_view cell) { return !cell.empty(); });
+  if (take_dice(table.header(), columns)) return columns;
   if (dltdv) {
     columns.layout = "DLTdv";
   } else if (image_j || (columns.particle && columns.frame)) {

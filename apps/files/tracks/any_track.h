@@ -33,12 +33,13 @@ struct PointColumns {
 };
 
 struct TrackColumns {
-  std::string layout;  ///< "Tracker", "Kinovea", "DLTdv", "trackpy" or "t, x, y"
+  std::string layout;  ///< "Tracker", "Kinovea", "DLTdv", "trackpy", "DICe" or "t, x, y"
   std::optional<std::size_t> frame, time, particle;
   double second = 1;  ///< of the time column
   std::vector<PointColumns> points;
   std::string usual_unit;                ///< of a layout whose columns never say; empty: none is usual
   std::optional<TrackReading::YAxis> y;  ///< where the layout tells
+  bool no_sd_is_lost = false;            ///< a frame whose sd is not above 0 was not measured
   bool by_section = false;               ///< rows of several points follow each other, each under its comment
 };
 
@@ -57,7 +58,8 @@ CsvTable track_table(const std::filesystem::path& path, std::string text);
 ///   up DLTdv     `pt1_cam1_X,pt1_cam1_Y,...`, a line a frame, pixels; y up to version 5, down from version 8
 ///   on trackpy   a line for each particle and frame: `y,x,...,frame,particle`, pixels, y down TrackMate
 ///   likewise `TRACK_ID,POSITION_X,POSITION_Y,POSITION_T,FRAME`, with units in a line below; y down ImageJ `X
-///   Y Slice` of results, `Track n Slice n X Y` of manual tracking, pixels, y down others a
+///   Y Slice` of results, `Track n Slice n X Y` of manual tracking, pixels, y down DICe
+///   `FRAME,COORDINATE_X,COORDINATE_Y,DISPLACEMENT_X,DISPLACEMENT_Y,...,SIGMA,...`, pixels, y down others a
 ///   time or frame and x, y, with units in the names or below: `t_s,x_mm,y_mm`, `time (s),x (px)`;
 ///             more points as `NAME_x_mm`, `x_1`, `point A: x`, the platform's mark as `marker_x_mm`; sds as
 ///             `x_sd_mm`

@@ -99,7 +99,8 @@ class Line {
 
   PointSample sample(const PointColumns& point) const {
     PointSample sample{number(point.x), number(point.y)};
-    if (std::isnan(sample.x) || std::isnan(sample.y)) sample.x = sample.y = kNone;
+    const bool failed = columns_.no_sd_is_lost && !(number(*point.x_sd) > 0);
+    if (std::isnan(sample.x) || std::isnan(sample.y) || failed) sample.x = sample.y = kNone;
     if (!point.x_sd) return sample;
     for (const auto& [column, sd] : {std::pair(*point.x_sd, &sample.x_sd), {*point.y_sd, &sample.y_sd}}) {
       *sd = number(column);

@@ -99,6 +99,25 @@ TEST_F(ForeignTracks, APlainTableInEveryUnit) {
   expect_same(moved(metres), moved_mm, 1e-12);
 }
 
+TEST_F(ForeignTracks, DICeTellsASubsetsDisplacementWithItsSd) {
+  TrackReading in_px;
+  in_px.mm_per_px = kScale;
+  in_px.frame_rate_hz = kRate;
+  const Track dice =
+      read("FRAME,COORDINATE_X,COORDINATE_Y,DISPLACEMENT_X,DISPLACEMENT_Y,ROTATION_Z,SIGMA,GAMMA,BETA\n" +
+               lines([&](int k) {
+                 const Eigen::Vector2d p = motion.part[k] / kScale;
+                 return fmt::format("{},3.44E+02,2.12E+02,{},{},0,{},0,0", 4870 + k, 100 + p.x(), 80 - p.y(),
+                                    k == 7 ? -1 : 0.004);
+               }),
+           in_px);
+  EXPECT_THAT(dice.imported, HasSubstr("DICe"));
+  EXPECT_EQ(dice.lost, 1u);
+  EXPECT_FALSE(dice.sd_from_scatter);
+  EXPECT_NEAR(std::sqrt(dice.table.covariance[5](1, 1)), 0.004 * kScale * 1e-3, 1e-12);
+  expect_same(moved(dice), moved(read(plain())), 1e-11);
+}
+
 TEST_F(ForeignTracks, AMarkTakesThePlatformsMotionOut) {
   const auto both = [&](const std::string& header) {
     return header + lines([&](int k) {
