@@ -66,7 +66,7 @@ PseudoInverse pseudo_inverse(const Eigen::MatrixXd& matrix, const Eigen::VectorX
   }
   return {scale.asDiagonal() * eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose() *
               scale.asDiagonal(),
-          log_determinant};
+          log_determinant, (inverse.array() > 0).count()};
 }
 
 Eigen::VectorXd unit_diagonal(const Eigen::MatrixXd& matrix) {

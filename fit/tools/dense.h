@@ -79,6 +79,7 @@ Eigen::Matrix2d without_negative_eigenvalues(const Eigen::Matrix2d& symmetric);
 struct PseudoInverse {
   Eigen::MatrixXd inverse;
   double log_determinant = 0;
+  Eigen::Index rank = 0;
 };
 PseudoInverse pseudo_inverse(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& scale, double flat);
 /// By which the diagonal becomes 1.
