@@ -60,15 +60,9 @@ double typical_displacement(const Problem& problem) {
 
 bool lag_taken_as_zero(const Problem& problem) {
   const auto known = [&](FitParameter parameter) {
-    return problem.fixed.count(parameter) > 0 ||
-           std::find(problem.free.begin(), problem.free.end(), parameter) != problem.free.end();
+    return problem.fixed.count(parameter) > 0 || problem.fits(parameter);
   };
-  const bool pulses =
-      std::any_of(problem.summary_runs.begin(), problem.summary_runs.end(),
-                  [](const auto& run) { return run.scenario.friction.pulse_width > 0; }) ||
-      std::any_of(problem.trajectory_runs.begin(), problem.trajectory_runs.end(),
-                  [](const auto& run) { return !run.free_slide && run.scenario.friction.pulse_width > 0; });
-  return pulses && !known(FitParameter::lag) && !known(FitParameter::delay);
+  return problem.has_pulses() && !known(FitParameter::lag) && !known(FitParameter::delay);
 }
 
 /// An evaluation is worth more than one thread.
@@ -209,11 +203,9 @@ void Estimation::test_residuals() {
 }
 
 void Estimation::explain_excess_variance() {
-  const bool driven = std::any_of(problem_.trajectory_runs.begin(), problem_.trajectory_runs.end(),
-                                  [](const auto& run) { return !run.free_slide; });
   const bool known = problem_.summary_runs.empty() || result_.scatter_from_replicates;
   const bool scattered = p_value_ < (known ? kSurprise : kDoubt);
-  const Reweighting reweighting{options_.estimate_scatter && driven, options_.estimate_scatter && scattered,
+  const Reweighting reweighting{options_.estimate_scatter && problem_.has_driven_tracks(), options_.estimate_scatter && scattered,
                                 options_.loss};
   if (reweighting.correlated_errors || reweighting.scatter || options_.loss != Loss::squares)
     correlated_ = reweighted_fit(residuals_, minimum_, reweighting);
@@ -457,9 +449,7 @@ FitResult estimate(const Problem& given, const FitOptions& wanted) {
   fit.find_minimum();
   fit.test_residuals();
   // Driven tracks are explained once their correlated errors are known.
-  const bool tracks =
-      std::ranges::any_of(problem.trajectory_runs, [](const TrajectoryRun& run) { return !run.free_slide; });
-  if (tracks) fit.explain_excess_variance();
+  if (problem.has_driven_tracks()) fit.explain_excess_variance();
   const std::vector<ExplainedProblem> list = fit.explanations();
   std::optional<Quoted> quoted;
   FitOptions nearby;

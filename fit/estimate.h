@@ -24,7 +24,7 @@ namespace tribotrack::fit {
 struct FitOptions {
   int threads = 1;  ///< over runs and starts; at least 1. The result does not depend on it.
   /// Descents at most, at least 1. Start 0 is Problem::start, the others are the basins of a densely screened
-  /// box, the deepest first. 1: no screening.
+  /// box, the deepest first; six of them where tracks are fitted. 1: no screening.
   int multi_starts = 24;
   bool profiles = true;         ///< profile likelihood intervals: most of the time of a fit
   bool next_experiment = true;  ///< look for the run to film next

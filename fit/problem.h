@@ -167,6 +167,9 @@ struct Problem {
   std::vector<std::pair<FitParameter, std::string>> exact;
   std::vector<SummaryRun> summary_runs;
   std::vector<TrajectoryRun> trajectory_runs;
+  bool fits(FitParameter parameter) const;
+  bool has_pulses() const;         ///< in a driven run
+  bool has_driven_tracks() const;  ///< trajectory runs that are no free slides
   /// An explanation sets it free.
   bool sets_free(FitParameter quantity) const;
   /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, data that are not

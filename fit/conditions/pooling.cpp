@@ -80,13 +80,6 @@ namespace {
 
 constexpr double kAtRest = 1e-100;  ///< m/s
 
-/// Student's 95 % quantile over the normal one.
-double student_widening(std::size_t dof) {
-  constexpr double kLevel = 0.95;
-  return internal::two_sided_quantile(kLevel, static_cast<double>(dof)) /
-         internal::two_sided_quantile(kLevel, std::numeric_limits<double>::infinity());
-}
-
 Eigen::Vector2d vector_of(const AlphaV& value) {
   return value.velocity.value * Eigen::Vector2d(std::cos(value.alpha.value), std::sin(value.alpha.value));
 }
@@ -184,8 +177,8 @@ RepeatScatter scatter_of(const std::vector<Point>& points, Coordinate coordinate
 void fill_in_scatter(std::vector<Point>& points, PooledPoints& pooled) {
   pooled.along = scatter_of(points, &Point::along, &AlphaV::velocity);
   pooled.across = scatter_of(points, &Point::across, &AlphaV::alpha);
-  const double along = pooled.along.dof > 0 ? student_widening(pooled.along.dof) : 1;
-  const double across = pooled.across.dof > 0 ? student_widening(pooled.across.dof) : 1;
+  const double along = pooled.along.dof > 0 ? internal::student_widening(static_cast<double>(pooled.along.dof)) : 1;
+  const double across = pooled.across.dof > 0 ? internal::student_widening(static_cast<double>(pooled.across.dof)) : 1;
   pooled.widened = std::max(along, across);
   for (Point& point : points) {
     const double speed = along * pooled.along.sd * (pooled.along.relative ? point.speed : 1);

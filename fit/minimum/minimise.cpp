@@ -187,7 +187,6 @@ double Minimum::distance(const Unknowns& unknowns, const Eigen::VectorXd& other)
 Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const MinimiseOptions& options) {
   const Unknowns& unknowns = residuals.unknowns();
   Evaluation evaluation(residuals, start);
-  if (options.evaluated && !options.evaluated->at.empty()) evaluation.keep(options.evaluated->at);
   Minimum minimum;
   if (options.held && unknowns.size() == 1) {
     minimum.z = start;

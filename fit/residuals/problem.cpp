@@ -13,12 +13,8 @@
 namespace tribotrack::fit {
 namespace {
 
-bool is_free(const Problem& problem, FitParameter parameter) {
-  return std::find(problem.free.begin(), problem.free.end(), parameter) != problem.free.end();
-}
-
 void need(const Problem& problem, FitParameter parameter) {
-  if (is_free(problem, parameter) || problem.fixed.count(parameter)) return;
+  if (problem.fits(parameter) || problem.fixed.count(parameter)) return;
   throw DataError(std::string("No value for ") + to_string(parameter) +
                   ": fit it ([fit] parameters) or give it ([fit.fixed]).");
 }
@@ -139,6 +135,22 @@ double DiscSpin::rate_sd() const {
   return std::sqrt(covariance(0, 0));
 }
 
+bool Problem::fits(FitParameter parameter) const {
+  return std::ranges::count(free, parameter) > 0;
+}
+
+bool Problem::has_pulses() const {
+  return std::ranges::any_of(summary_runs,
+                             [](const SummaryRun& r) { return r.scenario.friction.pulse_width > 0; }) ||
+         std::ranges::any_of(trajectory_runs, [](const TrajectoryRun& r) {
+           return !r.free_slide && r.scenario.friction.pulse_width > 0;
+         });
+}
+
+bool Problem::has_driven_tracks() const {
+  return std::ranges::any_of(trajectory_runs, [](const TrajectoryRun& run) { return !run.free_slide; });
+}
+
 bool Problem::sets_free(FitParameter quantity) const {
   return std::ranges::any_of(
       conditions, [&](const Condition& c) { return c.quantity == quantity && c.from == kSetFree; });
@@ -165,17 +177,10 @@ void Problem::validate() const {
   if (!(between_slides >= 0) || !std::isfinite(between_slides))
     throw DataError("The sd of mu1 between slides must not be negative.");
 
-  bool pulses = false;
-  for (const auto& run : summary_runs) {
-    check_run(run);
-    pulses = pulses || run.scenario.friction.pulse_width > 0;
-  }
-  for (const auto& run : trajectory_runs) {
-    check_run(run);
-    pulses = pulses || (!run.free_slide && run.scenario.friction.pulse_width > 0);
-  }
+  for (const auto& run : summary_runs) check_run(run);
+  for (const auto& run : trajectory_runs) check_run(run);
   need(*this, FitParameter::mu1);
-  if (pulses) need(*this, FitParameter::mu2);
+  if (has_pulses()) need(*this, FitParameter::mu2);
 }
 
 std::pair<std::size_t, std::size_t> Problem::data_and_unknowns() const {
@@ -185,7 +190,7 @@ std::pair<std::size_t, std::size_t> Problem::data_and_unknowns() const {
     unknowns += run.free_slide ? 4 : 2;
   }
   for (const auto& [parameter, known] : prior)
-    if (is_free(*this, parameter)) ++data;
+    if (fits(parameter)) ++data;
   return {data, unknowns};
 }
 

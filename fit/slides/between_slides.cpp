@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "fit/rounding.h"
@@ -55,7 +54,6 @@ BetweenSlides between_slides(const std::vector<Estimate>& slides) {
 namespace {
 
 constexpr std::size_t kFewestResiduals = 16;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kOfParabola = 3;  ///< unknowns along the slide
 /// A normal variable exceeds it with probability kSurprise.
 constexpr double kFar = 3.09;
@@ -107,7 +105,7 @@ std::optional<ShownErrors> shown_errors(const TrackTable& track, const SlideResi
   // So many independent values there are in a process of this correlation time.
   const double independent = std::max(length / (2 * time), 1.5 * kOfParabola);
   const double left = independent - kOfParabola;
-  const double unsure = two_sided_quantile(0.95, left) / two_sided_quantile(0.95, kInfinity);
+  const double unsure = student_widening(left);
   const double slow = (all - own) * independent / left * unsure * unsure;
   return ShownErrors{std::sqrt(own), {std::sqrt(slow), time}};
 }

@@ -82,13 +82,10 @@ Eigen::VectorXd change(const Eigen::MatrixXd& all, const Eigen::MatrixXd& rows, 
     if (others(i, i) > kGone * all(i, i)) kept.push_back(i);
   Eigen::VectorXd result = Eigen::VectorXd::Constant(n, kUnknown);
   if (kept.empty()) return result;
-  const Eigen::VectorXd scale = others(kept, kept).diagonal().cwiseSqrt().cwiseInverse();
-  const EigenSystem eigen = eigen_symmetric(scale.asDiagonal() * others(kept, kept) * scale.asDiagonal());
-  if (!(eigen.values(0) > kUndetermined * eigen.values.maxCoeff())) return result;
-  const Eigen::VectorXd gradient = (rows.transpose() * r)(kept);
-  const Eigen::VectorXd step =
-      scale.asDiagonal() * (eigen.vectors * (eigen.values.cwiseInverse().asDiagonal() *
-                                             (eigen.vectors.transpose() * (scale.asDiagonal() * gradient))));
+  const Eigen::MatrixXd left = others(kept, kept);
+  const auto inverse = internal::pseudo_inverse(left, unit_diagonal(left), kUndetermined);
+  if (inverse.rank < left.rows()) return result;
+  const Eigen::VectorXd step = inverse.inverse * (rows.transpose() * r)(kept);
   for (std::size_t k = 0; k < kept.size(); ++k) result(kept[k]) = step(static_cast<Eigen::Index>(k));
   return result;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/tools/dense.h"
 #include "fit/tools/statistics.h"
 #include "fit/variances/excess_variance.h"
 #include "fit/variances/robust.h"
@@ -12,23 +11,6 @@ namespace tribotrack::fit::internal {
 namespace {
 
 constexpr int kReweightings = 12;
-
-/// The same evaluation under other weights, without simulating again: summary rows only differ by factors.
-bool reweigh(Minimum& at, const Residuals& before, const Residuals& now) {
-  const Problem& problem = now.unknowns().problem();
-  if (!problem.trajectory_runs.empty() || at.at.empty()) return false;
-  RowGroup& rows = at.at.groups.front();
-  for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
-    const auto row = 2 * static_cast<Eigen::Index>(i);
-    const double root = std::sqrt(now.weight(i) / before.weight(i));
-    const Eigen::Matrix2d factor =
-        root * Factor2(now.covariance(i)).whiten_columns(Factor2(before.covariance(i)).lower());
-    rows.residuals.segment<2>(row) = (factor * rows.residuals.segment<2>(row)).eval();
-    rows.shared.middleRows(row, 2) = (factor * rows.shared.middleRows(row, 2)).eval();
-  }
-  at.chi2 = at.at.chi2();
-  return true;
-}
 
 double largest_change(const Residuals& now, const Residuals& before) {
   double change = 0;
@@ -76,9 +58,7 @@ CorrelatedEstimate reweighted_fit(Residuals& residuals, Minimum& best, const Rew
     if (squares && !any(is) && is.correlated == CorrelatedVariances{} && was.correlated == is.correlated)
       return correlated;
     const double change = largest_change(residuals, before);
-    MinimiseOptions options;
-    if (reweigh(best, before, residuals)) options.evaluated = &best;
-    best = minimise(residuals, best.z, options);
+    best = minimise(residuals, best.z);
     if (round > (reweighting.scatter ? 1 : 0) && change < 1e-3 && unchanged(was, is)) return correlated;
   }
   return correlated;

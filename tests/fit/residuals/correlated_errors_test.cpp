@@ -164,25 +164,6 @@ TEST(CorrelatedErrors, VariancesAreTheMostLikely) {
       EXPECT_LT(likelihood(moved), best + 1e-3) << "part " << part << " step " << step;
     }
   }
-
-  // Whitened by them the residuals have the sum of squares and the normal matrix of the dense covariance.
-  const auto [v, x] = dense(found.variances);
-  ExcessVariance scatter = residuals.excess_variance();
-  scatter.correlated = found.variances;
-  residuals.set_excess_variance(scatter);
-  const auto after = residuals.at(truth);
-  ASSERT_TRUE(after);
-  const Eigen::LLT<Eigen::MatrixXd> factor(v);
-  Eigen::MatrixXd data(v.rows(), 4);
-  data << x.leftCols(3), r;
-  const Eigen::MatrixXd start = x.rightCols(6), v_data = factor.solve(data),
-                        crossed = start.transpose() * v_data;
-  const Eigen::MatrixXd expected =
-      data.transpose() * v_data -
-      crossed.transpose() * Eigen::MatrixXd(start.transpose() * factor.solve(start)).ldlt().solve(crossed);
-  Eigen::MatrixXd whitened(v.rows(), 4);
-  whitened << after->scaled(unknowns.natural_units(truth)).jacobian(3), after->residuals();
-  EXPECT_LT((whitened.transpose() * whitened - expected).norm(), 1e-9 * expected.norm());
 }
 
 // The forecast of a track like an existing one has the information of that one.
