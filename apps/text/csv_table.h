@@ -34,7 +34,7 @@ std::optional<double> si_per(std::string_view unit, Dimension dimension);
 /// Cells of a line.
 using Cells = std::vector<std::string_view>;
 
-/// A table as other people's programs write it, UTF-8, UTF-16 or Latin-1. Which character separates the cells
+/// A table as other people's programs write it, UTF-8 or Latin-1. Which character separates the cells
 /// (`;`, tab, `,` or blanks) and which is the decimal sign is what its rows of numbers make the most sense
 /// with; a line that begins with `#`, `%`, `!` or `//` is a comment, wherever it stands, and lines of any
 /// number may stand above the header. Cells come without surrounding blanks and quotes; within a pair of
