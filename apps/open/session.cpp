@@ -284,12 +284,12 @@ Words OpenSession::first_second(const std::string& name) {
     add("--disc-diameter-mm", fmt::format("{}", *campaign.part.diameter_mm));
     if (campaign.part.chamfer_mm) add("--chamfer-mm", fmt::format("{}", *campaign.part.chamfer_mm));
   }
-  const auto rectangle = run->template_px ? run->template_px : camera.template_px;
-  if (rectangle)
-    add("--template",
-        fmt::format("{},{},{},{}", rectangle->x, rectangle->y, rectangle->width, rectangle->height));
-  else if (const auto disc = run->disc_px ? run->disc_px : camera.disc_px)
-    add("--disc", circle_words(*disc));
+  const vision::Target& target = is_given(run->target) ? run->target : camera.target;
+  const vision::Rect& rect = target.rectangle;
+  if (target.kind == vision::Target::Kind::rectangle)
+    add("--template", fmt::format("{},{},{},{}", rect.x, rect.y, rect.width, rect.height));
+  else if (target.kind == vision::Target::Kind::disc)
+    add("--disc", circle_words(target.disc));
   if (const auto mark = run->marker_px ? run->marker_px : camera.marker_px)
     add("--marker", circle_words(*mark));
   if (camera.gate_px) add("--gate", circle_words(*camera.gate_px));

@@ -88,8 +88,7 @@ apps::TrackReading reading_of(const py::dict& options) {
   };
   apps::TrackReading reading;
   reading.unit = one_of("track_unit", {"px", "um", "mm", "cm", "m"});
-  const std::string y = one_of("track_y", {"up", "down"});
-  if (!y.empty()) reading.y = y == "up" ? apps::TrackReading::YAxis::up : apps::TrackReading::YAxis::down;
+  reading.y = one_of("track_y", {"up", "down"});
   reading.frame = one_of("track_frame", {"platform", "camera"});
   reading.point = text_in(options, "track_point");
   reading.mark = text_in(options, "track_mark");

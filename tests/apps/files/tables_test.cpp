@@ -58,7 +58,7 @@ TrackReading reading(const std::string& unit, std::optional<double> mm_per_px = 
   how.unit = unit;
   how.mm_per_px = mm_per_px;
   how.point = point;
-  how.y = TrackReading::YAxis::up;
+  how.y = "up";
   return how;
 }
 
