@@ -29,7 +29,6 @@ struct MeasureOptions {
   std::string track, output;
   MeasureChoices choices;
   TrackReading reading;  ///< of another program's track
-  std::string track_y;
   bool json = false;
 };
 
@@ -44,9 +43,7 @@ void check_output(const MeasureOptions& options) {
 
 void measure_command(const MeasureOptions& options, Context& context) {
   check_output(options);
-  TrackReading reading = options.reading;
-  if (!options.track_y.empty())
-    reading.y = options.track_y == "up" ? TrackReading::YAxis::up : TrackReading::YAxis::down;
+  const TrackReading& reading = options.reading;
   for (const auto& [flag, value] :
        {std::pair{"--mm-per-px", reading.mm_per_px}, std::pair{"--fps", reading.frame_rate_hz}})
     if (value && !(*value > 0)) throw UsageError(fmt::format("{} must be greater than 0", flag));
@@ -104,7 +101,7 @@ void add_measure(CLI::App& app, Context& context) {
                   "Unit of x and y of another program's track whose columns name none")
       ->check(one_of({"px", "um", "mm", "cm", "m"}));
   command
-      .add_option("--track-y", options->track_y,
+      .add_option("--track-y", options->reading.y,
                   "Where its y points: up or down (default: down in pixels, up in lengths)")
       ->check(one_of({"up", "down"}));
   command

@@ -34,22 +34,6 @@ struct ProbeOptions {
 /// Frames are compared until so many pixels have been: a second or two.
 constexpr double kPixelsToCompare = 3e8;
 
-Json stamps_json(const vision::StampCheck& check, std::int64_t first_image) {
-  Json stretches = Json::array(), missing = Json::array(), strays = Json::array();
-  for (const auto& s : check.stretches)
-    stretches.push_back({{"first_image", first_image + s.first},
-                         {"last_image", first_image + s.last},
-                         {"rate_hz", s.rate_hz}});
-  for (const auto& gap : check.missing)
-    missing.push_back({{"after_image", first_image + gap.after}, {"frames", gap.count}});
-  for (const std::int64_t stray : check.strays) strays.push_back(first_image + stray);
-  return {{"uniform", check.uniform},
-          {"variable_rate", check.variable},
-          {"stretches", stretches},
-          {"missing", missing},
-          {"stray_images", strays}};
-}
-
 std::vector<std::int64_t> images(const vision::RepeatedFrames& repeats, const vision::SourceInfo& info) {
   std::vector<std::int64_t> numbers = repeats.repeated;
   for (std::int64_t& number : numbers) number += info.first_number;
@@ -111,8 +95,6 @@ Json description_of(const vision::SourceInfo& info, const vision::RepeatedFrames
   if (info.time_base.known() && info.frame_count > 0)
     json["last_time_s"] = info.time_base.time_s(info.frame_count - 1);
   if (!info.time_base.known()) json["time_base"]["why_unknown"] = info.time_base.why_unknown();
-  if (info.time_base.check.rate_hz > 0)
-    json["time_base"]["stamps_say"] = stamps_json(info.time_base.check, info.first_number);
   json["repeats"] = repeats_json(repeats, info);
   json["coding"] = coding_json(info);
   json["notes"] = info.notes;

@@ -12,7 +12,9 @@
 #include "apps/commands/command.h"
 #include "apps/files/camera.h"
 #include "apps/files/campaign/campaign.h"
+#include "apps/files/run_folder.h"
 #include "apps/files/tracks/any_track.h"
+#include "apps/measuring/measure_text.h"
 #include "apps/pipeline/job.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
@@ -133,26 +135,10 @@ void check_debug_folder(const std::filesystem::path& folder, const std::filesyst
                                    folder.string()));
 }
 
-/// "halves_x 1.03", or "-" for what nobody can tell.
-void print_audit(const vision::Audit& audit) {
-  const auto line = [](const char* name, const std::optional<double>& value, const char* meaning) {
-    print_error(
-        fmt::format("  {:<16} {:>6}  {}", name, value ? fmt::format("{:.2f}", *value) : "-", meaning));
-  };
-  print_error(
-      fmt::format("audit: {} frames, ratios to what the model's standard deviations predict", audit.frames));
-  line("halves_x", audit.halves_x, "left against right half of the part");
-  line("halves_y", audit.halves_y, "top against bottom half");
-  line("high_frequency", audit.high_frequency, "scatter from frame to frame");
-  line("lag1", audit.lag1, "correlation of consecutive errors; 0 is right");
-  print_error(fmt::format("  standard deviations are multiplied by {:.3f}; {:.5f} px over {:.2g} s added",
-                          std::sqrt(audit.white_factor), audit.slow_sd, audit.slow_time));
-}
-
 void print_explanation(const vision::TrackResult& result) {
   for (const auto& stage : result.summary.plan)
     print_error(fmt::format("{:<24} {:<4} {}", stage.name, stage.on ? "on" : "off", stage.reason));
-  print_audit(result.summary.audit);
+  print_error(measurement_text(json_of(result.summary.audit), "audit"));
   double total = 0;
   for (const auto& stage : result.stage_times) total += stage.seconds;
   print_error(fmt::format("{:<30} {:>9} {:>6}", "time of each stage", "s", "share"));

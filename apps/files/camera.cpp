@@ -70,16 +70,17 @@ vision::Rect rect_of(const StrictTable& table, const char* key, const std::vecto
 
 }  // namespace
 
-std::optional<vision::Rect> read_template(StrictTable& table) {
+std::optional<vision::Target> read_template(StrictTable& table) {
   const auto values = table.integers("template_px", 4);
   if (!values) return std::nullopt;
   if (table.has("disc_px")) table.fail("template_px", "and `disc_px` are two parts; give one of them");
-  return rect_of(table, "template_px", *values);
+  return vision::Target{vision::Target::Kind::rectangle, {}, rect_of(table, "template_px", *values)};
 }
 
-PartPlace read_place(StrictTable& table, const char* key) {
-  if (table.count(key) == 4) return {{}, rect_of(table, key, *table.integers(key, 4))};
-  return {read_circle(table, key), {}};
+vision::Target read_place(StrictTable& table, const char* key) {
+  if (table.count(key) == 4)
+    return {vision::Target::Kind::rectangle, {}, rect_of(table, key, *table.integers(key, 4))};
+  return {vision::Target::Kind::disc, read_circle(table, key).value(), {}};
 }
 
 void check_camera(const StrictTable& table, const CameraSection& camera) {

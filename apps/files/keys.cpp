@@ -233,7 +233,13 @@ struct Reader {
   void operator()(std::optional<vision::Circle>* value) const {
     *value = read_circle(table, key.name.c_str());
   }
-  void operator()(std::optional<vision::Rect>* value) const { *value = read_template(table); }
+  void operator()(vision::Target* value) const {
+    if (key.kind.form == Kind::rectangle) {
+      if (const auto read = read_template(table)) *value = *read;
+    } else if (const auto read = read_circle(table, key.name.c_str())) {
+      *value = {vision::Target::Kind::disc, *read, {}};
+    }
+  }
 };
 
 /// And back.
@@ -255,7 +261,12 @@ struct Writer {
     return *value ? Json((*value)->filename().string()) : Json();
   }
   Json operator()(const std::optional<vision::Circle>* value) const { return circle_json(*value); }
-  Json operator()(const std::optional<vision::Rect>* value) const { return rect_json(*value); }
+  Json operator()(const vision::Target* value) const {
+    using Is = vision::Target::Kind;
+    if (kind.form == Kind::rectangle)
+      return value->kind == Is::rectangle ? rect_json(value->rectangle) : Json();
+    return value->kind == Is::disc ? circle_json(value->disc) : Json();
+  }
 };
 
 }  // namespace

@@ -21,6 +21,7 @@
 #include "apps/text/strict_toml.h"
 #include "model/scenario.h"
 #include "vision/picture.h"
+#include "vision/tracker.h"
 
 namespace tribotrack::apps {
 
@@ -95,7 +96,7 @@ struct Milli {
 using Value =
     std::variant<double*, std::optional<double>*, Milli<double>, Milli<std::optional<double>>, int*, bool*,
                  std::string*, std::vector<std::string>*, std::optional<std::filesystem::path>*,
-                 std::optional<vision::Circle>*, std::optional<vision::Rect>*, model::Start*>;
+                 std::optional<vision::Circle>*, vision::Target*, model::Start*>;
 
 /// Nothing where the table has no such key. Throws InvalidInput.
 std::optional<double> read_number(StrictTable& table, const Kind& kind, const std::string& name);

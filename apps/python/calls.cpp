@@ -231,8 +231,7 @@ apps::TrackReading reading_of(const Options& options) {
   };
   apps::TrackReading reading;
   reading.unit = one_of("track_unit", {"px", "um", "mm", "cm", "m"});
-  const std::string y = one_of("track_y", {"up", "down"});
-  if (!y.empty()) reading.y = y == "up" ? apps::TrackReading::YAxis::up : apps::TrackReading::YAxis::down;
+  reading.y = one_of("track_y", {"up", "down"});
   reading.frame = one_of("track_frame", {"platform", "camera"});
   reading.point = options.text("track_point");
   reading.mark = options.text("track_mark");

@@ -21,14 +21,8 @@ void set_chamfer(Recording& recording) {
 
 /// What is followed, by [part] and [camera].
 void set_target(Recording& recording) {
-  const auto follow = [&](const auto& place) {
-    vision::Target& target = recording.options.target;
-    if (place.template_px) target = {vision::Target::Kind::rectangle, {}, *place.template_px};
-    if (place.disc_px) target = {vision::Target::Kind::disc, *place.disc_px, {}};
-  };
-  follow(recording.part);
-  follow(recording.camera);
   const CameraSection& camera = recording.camera;
+  recording.options.target = is_given(camera.target) ? camera.target : recording.part.target;
   recording.options.marker = camera.marker;
   if (camera.marker_px) recording.options.marker = {vision::MarkerChoice::Kind::circle, *camera.marker_px};
   recording.options.gate = camera.gate_px;
@@ -41,14 +35,7 @@ Recording recording_of(const Campaign& campaign, const CampaignRun& run) {
   recording.video = *run.video;
   recording.part = campaign.part;
   CameraSection& camera = recording.camera = campaign.camera;
-  if (run.disc_px) {
-    camera.disc_px = run.disc_px;
-    camera.template_px.reset();
-  }
-  if (run.template_px) {
-    camera.template_px = run.template_px;
-    camera.disc_px.reset();
-  }
+  if (is_given(run.target)) camera.target = run.target;
   if (run.marker_px) camera.marker_px = run.marker_px;
   if (run.mm_per_px) {
     camera.mm_per_px = run.mm_per_px;
@@ -101,10 +88,6 @@ void make_room(const TrackChoices& choices, Recording& recording) {
   }
   if (of_part.contains("diameter_mm")) part.diameter_sd_mm = 0;
   if (of_camera.contains("frame_rate_hz")) camera.frame_rate_reason.clear();
-  if (of_camera.contains("disc_px") || of_camera.contains("template_px")) {
-    camera.disc_px = part.disc_px = {};
-    camera.template_px = part.template_px = {};
-  }
   if (of_camera.contains("marker") || of_camera.contains("marker_px")) {
     camera.marker_px.reset();
     camera.marker = {};

@@ -40,7 +40,7 @@ void read_scenario(const std::filesystem::path& file) {
 void read_foreign_track(const std::filesystem::path& file) {
   apps::TrackReading reading;
   reading.unit = "mm";
-  reading.y = apps::TrackReading::YAxis::up;
+  reading.y = "up";
   reading.mm_per_px = 0.1;
   apps::read_any_track(file, reading);
 }

@@ -123,10 +123,6 @@ std::vector<std::string> names_of(const std::vector<PartSection>& parts) {
   return names;
 }
 
-bool is_place(const PartSection& part) {
-  return part.disc_px || part.template_px;
-}
-
 /// Does the run show this part?
 bool shows(const CampaignRun& run, const PartSection& part) {
   if (!run.parts.empty()) return run.parts.contains(part.name);
@@ -135,13 +131,10 @@ bool shows(const CampaignRun& run, const PartSection& part) {
 
 /// The run as that of one part: where it lies at first is said by the run, else by the part.
 CampaignRun run_of_part(CampaignRun run, const PartSection& part) {
-  if (const auto place = run.parts.find(part.name); place != run.parts.end()) {
-    run.disc_px = place->second.disc_px;
-    run.template_px = place->second.template_px;
-  } else if (!run.disc_px && !run.template_px) {
-    run.disc_px = part.disc_px;
-    run.template_px = part.template_px;
-  }
+  if (const auto place = run.parts.find(part.name); place != run.parts.end())
+    run.target = place->second;
+  else if (!is_given(run.target))
+    run.target = part.target;
   run.parts.clear();
   run.part = part.name;
   return run;
@@ -192,8 +185,8 @@ void check_parts(const Campaign& campaign) {
     if (!run.part.empty()) require_known(campaign, run, run.part);
     for (const auto& [name, place] : run.parts) require_known(campaign, run, name);
     if (!run.part.empty() || !run.parts.empty()) continue;
-    const bool placed = std::ranges::all_of(campaign.parts, is_place);
-    if (!run.video || !placed || run.disc_px || run.template_px)
+    const bool placed = std::ranges::all_of(campaign.parts, is_given, &PartSection::target);
+    if (!run.video || !placed || is_given(run.target))
       throw InvalidInput(fmt::format(
           "{}: run \"{}\": does not say where each part lies; give parts = {{ {} = [X, Y, R] }} ([X, Y, "
           "WIDTH, "

@@ -61,7 +61,7 @@ struct CampaignRun {
   bool has_track() const { return video || track; }
   /// Which of the campaign's parts, where there are several: one, or where each lies at first.
   std::string part;
-  std::map<std::string, PartPlace> parts;
+  std::map<std::string, vision::Target> parts;
   bool free_slide = false;
   /// Of a free slide on an incline, as in fit::TrajectoryRun. rad
   std::optional<double> slope, slope_sd;
@@ -76,8 +76,8 @@ struct CampaignRun {
   std::optional<std::int64_t> first_frame, last_frame;
   std::int64_t frame_step = 1;
   std::optional<double> mm_per_px, mm_per_px_sd;
-  std::optional<vision::Circle> disc_px, marker_px;
-  std::optional<vision::Rect> template_px;                   ///< instead of a disc
+  vision::Target target;  ///< the part in the first analysed frame
+  std::optional<vision::Circle> marker_px;
   std::optional<std::filesystem::path> scope, second_scope;  ///< two where a file holds one channel
   // Measured elsewhere.
   std::optional<double> alpha, alpha_sd;  ///< rad

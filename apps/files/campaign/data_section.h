@@ -20,9 +20,8 @@ struct CampaignRun;
 
 /// What the file of another program's track does not say of itself.
 struct TrackReading {
-  enum class YAxis { by_unit, up, down };
-  std::string unit;          ///< of columns that name none: "px", "um", "mm", "cm", "m"; empty: not known
-  YAxis y = YAxis::by_unit;  ///< by_unit: down in pixels, up in lengths
+  std::string unit;   ///< of columns that name none: "px", "um", "mm", "cm", "m"; empty: not known
+  std::string y;      ///< where it points, "up" or "down"; empty: down in pixels, up in lengths
   std::string frame;  ///< "platform" or "camera": whose the positions are; empty: the camera's without a mark
   std::string point, mark;  ///< which of the file's points is the part, and which is fixed to the platform
   std::optional<double> mm_per_px;

@@ -14,18 +14,6 @@ const std::vector<std::string> kStarts = {"rest", "circling", "steady"};
 const std::vector<std::string> kUnits = {"px", "um", "mm", "cm", "m"};
 const std::vector<std::string> kFrames = {"platform", "camera"};
 
-/// track_y, of a section with a TrackReading.
-template <auto reading>
-constexpr auto track_y = Own<decltype(section_of(reading))>{
-    [](StrictTable& table, auto& section, const std::filesystem::path&) {
-      if (const auto y = table.choice("track_y", {"up", "down"}))
-        (section.*reading).y = *y == 0 ? TrackReading::YAxis::up : TrackReading::YAxis::down;
-    },
-    [](const auto& section) -> Json {
-      const TrackReading::YAxis y = (section.*reading).y;
-      return y == TrackReading::YAxis::up ? "up" : y == TrackReading::YAxis::down ? "down" : "by unit";
-    }};
-
 }  // namespace
 
 const Keys<Campaign>& top_keys() {
@@ -69,9 +57,9 @@ const Keys<PartSection>& part_keys() {
   static const Keys<P> keys = {
       {"name", Kind::text, at<&P::name>, "\"disc\"",
        "where there are several: a [[part]] of its own for each; each gets its own fit"},
-      {"disc_px", Kind::circle, at<&P::disc_px>, "[640, 400, 150]",
+      {"disc_px", Kind::circle, at<&P::target>, "[640, 400, 150]",
        "where it lies at first, unless the run says"},
-      {"template_px", Kind::rectangle, at<&P::template_px>, "[100, 40, 41, 41]", "instead of a disc"},
+      {"template_px", Kind::rectangle, at<&P::target>, "[100, 40, 41, 41]", "instead of a disc"},
       {"diameter_mm", Kind::above_zero, at<&P::diameter_mm>, "6.0",
        "sets the scale, unless mm_per_px or a calibration does"},
       {"diameter_mm_sd", Kind::sd, at<&P::diameter_sd_mm>, "0.005", "by a caliper"},
@@ -111,9 +99,9 @@ const Keys<CameraSection>& camera_keys() {
       {"xi_axis_rad", Kind::angle, at<&C::xi_axis_rad>, "0.0",
        "direction, in the picture, of the platform's displacement when the phase sensor fires"},
       {"xi_axis_rad_sd", Kind::sd, at<&C::xi_axis_sd_rad>, "0.01"},
-      {"disc_px", Kind::circle, at<&C::disc_px>, "[640, 400, 150]",
+      {"disc_px", Kind::circle, at<&C::target>, "[640, 400, 150]",
        "x, y, radius in the first frame; leave out to have it found"},
-      {"template_px", Kind::rectangle, at<&C::template_px>, "[100, 40, 41, 41]",
+      {"template_px", Kind::rectangle, at<&C::target>, "[100, 40, 41, 41]",
        "instead of a disc: x, y, width, height of a part of any shape in the first frame; needs mm_per_px"},
       {"marker_px", Kind::circle, at<&C::marker_px>, "[200, 180, 24]",
        "a mark fixed to the platform; leave out where there is none"},
@@ -159,7 +147,7 @@ const Keys<DataSection>& data_keys() {
       {"v_sd_mm_s", Kind::above_zero, milli<&D::v_sd>, "0.1", "likewise", "table"},
       {"track_unit", Kind::one_of(kUnits), at<&D::tracks, &TrackReading::unit>, "\"mm\"",
        "of tracks whose columns name none: px (with mm_per_px), um, mm, cm, m"},
-      {"track_y", Kind::one_of({"up", "down"}), track_y<&D::tracks>, "\"up\"",
+      {"track_y", Kind::one_of({"up", "down"}), at<&D::tracks, &TrackReading::y>, "\"up\"",
        "where y of tracks points, if not down in pixels and up in lengths"},
       {"track_frame", Kind::one_of(kFrames), at<&D::tracks, &TrackReading::frame>, "\"platform\"",
        "of tracks: \"platform\": its motion is taken out of them already; else by track_mark, or \"camera\""},
@@ -204,7 +192,7 @@ const Keys<CampaignRun>& run_keys() {
        "ours"},
       {"track_unit", Kind::one_of(kUnits), at<&R::reading, &TrackReading::unit>, "\"mm\"",
        "where it differs from [data]", "track"},
-      {"track_y", Kind::one_of({"up", "down"}), track_y<&R::reading>, "\"up\"",
+      {"track_y", Kind::one_of({"up", "down"}), at<&R::reading, &TrackReading::y>, "\"up\"",
        "where it differs from [data]", "track"},
       {"track_frame", Kind::one_of(kFrames), at<&R::reading, &TrackReading::frame>, "\"platform\"",
        "where it differs from [data]", "track"},
@@ -240,9 +228,8 @@ const Keys<CampaignRun>& run_keys() {
       {"start_phase_rad_sd", Kind::sd, at<&R::start_phase_sd>, "0.01"},
       {"mm_per_px", Kind::above_zero, at<&R::mm_per_px>, "0.02", "where it differs from [camera]"},
       {"mm_per_px_sd", Kind::sd, at<&R::mm_per_px_sd>, "0.00002"},
-      {"disc_px", Kind::circle, at<&R::disc_px>, "[640, 400, 150]", "where it differs from [camera]"},
-      {"template_px", Kind::rectangle, at<&R::template_px>, "[100, 40, 41, 41]",
-       "where it differs from [camera]"},
+      {"disc_px", Kind::circle, at<&R::target>, "[640, 400, 150]", "where it differs from [camera]"},
+      {"template_px", Kind::rectangle, at<&R::target>, "[100, 40, 41, 41]", "where it differs from [camera]"},
       {"part", Kind::text, at<&R::part>, "\"disc\"", "which of several [[part]] this run shows"},
       {"parts", Kind::place_by_name, Own<R>{read_parts}, "{ disc = [640, 400, 150] }",
        "several in one recording: where each lies at first, [x, y, radius] or [x, y, width, height]"},

@@ -163,7 +163,8 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign, bool with_sds
 void require_scale(const Campaign& campaign, const CampaignRun& run) {
   const bool scale_given =
       run.mm_per_px || campaign.camera.mm_per_px || campaign.camera.calibration || campaign.camera.tag_mm;
-  if (run.video && !scale_given && (run.template_px || (campaign.camera.template_px && !run.disc_px)))
+  const vision::Target& target = is_given(run.target) ? run.target : campaign.camera.target;
+  if (run.video && !scale_given && target.kind == vision::Target::Kind::rectangle)
     throw InvalidInput(fmt::format(
         "{}: a part that is followed by template_px has no diameter to scale by: give `mm_per_px` or "
         "`calibration` in [camera]",

@@ -199,7 +199,7 @@ bool take_dice(const Cells& cells, TrackColumns& columns) {
   subset.x_sd = subset.y_sd = static_cast<std::size_t>(sigma - cells.begin());
   columns.points = {subset};
   columns.layout = "DICe";
-  columns.y = TrackReading::YAxis::down;
+  columns.y = "down";
   columns.no_sd_is_lost = true;
   return true;
 }
@@ -266,17 +266,17 @@ TrackColumns read_track_columns(const CsvTable& table) {
     columns.layout = "DLTdv";
   } else if (image_j || (columns.particle && columns.frame)) {
     columns.layout = image_j ? "ImageJ" : columns.time ? "TrackMate" : "trackpy";
-    columns.y = TrackReading::YAxis::down;
+    columns.y = "down";
     columns.usual_unit = "px";
   } else if (columns.time && (milliseconds || table.is_remarked("Kinovea"))) {
     columns.layout = "Kinovea";
-    columns.y = TrackReading::YAxis::up;
+    columns.y = "up";
     // Its text export: a trajectory after the other, each under its name, times in ms or as h:mm:ss:cc.
     columns.by_section = !milliseconds;
     if (columns.by_section) columns.second = 1e-3;
   } else if (columns.time && named_above) {
     columns.layout = "Tracker";
-    columns.y = TrackReading::YAxis::up;
+    columns.y = "up";
   } else {
     columns.layout = "t, x, y";
   }

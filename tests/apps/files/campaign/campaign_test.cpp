@@ -218,10 +218,10 @@ TEST_F(CampaignTest, SeveralPartsHaveCampaignsOfTheirOwn) {
   ASSERT_EQ(parts.size(), 2U);
   EXPECT_EQ(parts[0].part.name, "silver");
   ASSERT_EQ(parts[0].runs.size(), 1U);
-  EXPECT_EQ(parts[0].runs[0].disc_px->x, 1);
+  EXPECT_EQ(parts[0].runs[0].target.disc.x, 1);
   ASSERT_EQ(parts[1].runs.size(), 2U);
-  EXPECT_EQ(parts[1].runs[0].template_px->width, 60);
-  EXPECT_EQ(parts[1].runs[1].disc_px->radius, 7);
+  EXPECT_EQ(parts[1].runs[0].target.rectangle.width, 60);
+  EXPECT_EQ(parts[1].runs[1].target.disc.radius, 7);
   EXPECT_EQ(campaign_of_part(c, "steel").runs.size(), 2U);
   EXPECT_THAT(complaint_of([&] { campaign_of_part(c, ""); }), HasSubstr("silver, steel"));
   EXPECT_THAT(complaint_of([&] { campaign_of_part(c, "copper"); }), HasSubstr("silver, steel"));

@@ -258,7 +258,7 @@ TEST_F(ForeignTracks, WhatIsMissingIsAskedFor) {
   TrackReading px;
   px.mm_per_px = 0.1;
   EXPECT_THAT(complaint("pt1_cam1_X,pt1_cam1_Y\n1,2\n", px), HasSubstr("track_y = \"up\" or \"down\""));
-  px.y = TrackReading::YAxis::down;
+  px.y = "down";
   EXPECT_THAT(complaint("pt1_cam1_X,pt1_cam1_Y\n1,2\n2,3\n", px), HasSubstr("has no times; give the rate"));
   px.frame_rate_hz = 100;
   EXPECT_THAT(complaint("pt1_cam1_X,pt1_cam1_Y,pt2_cam1_X,pt2_cam1_Y\n1,2,3,4\n", px),
