@@ -33,6 +33,7 @@ class Forecaster {
   /// nullopt where the model cannot be evaluated, takes more than 50 times the steps of the longest of the
   /// runs so far, or where nothing fitted moves the run.
   std::optional<Forecast> forecast(const Candidate& candidate, double tolerance) const;
+
  private:
   double variance(const Eigen::Vector2d& displacement) const;
   model::Scenario scenario(const Candidate& candidate) const;
