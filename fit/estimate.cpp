@@ -205,8 +205,8 @@ void Estimation::test_residuals() {
 void Estimation::explain_excess_variance() {
   const bool known = problem_.summary_runs.empty() || result_.scatter_from_replicates;
   const bool scattered = p_value_ < (known ? kSurprise : kDoubt);
-  const Reweighting reweighting{options_.estimate_scatter && problem_.has_driven_tracks(), options_.estimate_scatter && scattered,
-                                options_.loss};
+  const Reweighting reweighting{options_.estimate_scatter && problem_.has_driven_tracks(),
+                                options_.estimate_scatter && scattered, options_.loss};
   if (reweighting.correlated_errors || reweighting.scatter || options_.loss != Loss::squares)
     correlated_ = reweighted_fit(residuals_, minimum_, reweighting);
 }

@@ -271,12 +271,12 @@ struct FitResult {
   double p_value = 1;  ///< of chi2
   int conditions = 0;  ///< unknowns that are known to an sd: what they absorb of chi^2, dof does not count
   std::vector<RunResult> runs;
-  std::vector<SlideResult> slides;    ///< free slides one by one
+  std::vector<SlideResult> slides;  ///< free slides one by one
   struct BetweenSlides {
     double sd = 0;       ///< of mu1 between slides, counted in the covariance
     double p_value = 1;  ///< that the slides' mu1 differ so much by chance
   } between_slides;
-  std::vector<Outlier> outliers;      ///< farthest first
+  std::vector<Outlier> outliers;  ///< farthest first
   /// What would explain the residuals, best first.
   std::vector<Explanation> explanations;
   /// Names of the explanations under which `parameters` are estimated; empty: everything is as the problem
@@ -288,7 +288,7 @@ struct FitResult {
   std::vector<std::string> left_out;  ///< checks that the data did not require, with the reason
 
   // Errors beyond the data's own sigma, counted in the covariance.
-  double scatter = 0;  ///< m, added in quadrature per axis; 0 where the residuals show none
+  double scatter = 0;                    ///< m, added in quadrature per axis; 0 where the residuals show none
   double scatter_between_runs = 0;       ///< m, of it between summary runs
   bool scatter_from_replicates = false;  ///< estimated from repeated runs: p_value still judges the model
   int replicate_dof = 0;                 ///< two for each repetition

@@ -34,7 +34,7 @@ struct TrackTable {
   /// Degrees of freedom that each axis's variance is as good as known by, where it was estimated from these
   /// very points (PointNoise::dof); 0: it is known.
   double noise_dof = 0;
-  std::vector<SlowError> slow;  ///< errors that neighbouring points share
+  std::vector<SlowError> slow;          ///< errors that neighbouring points share
   bool platform_frame = false;          ///< true: platform's motion subtracted; false: camera's frame
   std::vector<Eigen::Vector2d> marker;  ///< m, the marker in the camera's frame; empty without a marker
   std::vector<double> marker_sigma;     ///< m, per axis

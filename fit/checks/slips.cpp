@@ -287,8 +287,7 @@ std::vector<SlipFound> find_slips(const Problem& problem, const FitResult& resul
     candidates = magnitudes(looked_at);
     if (sound) candidates.erase(candidates.begin() + (typed.amplitude ? 1 : 0), candidates.end());
     if (failing)
-      std::ranges::move(turns(typed, problem.fits(FitParameter::lag)),
-                        std::back_inserter(candidates));
+      std::ranges::move(turns(typed, problem.fits(FitParameter::lag)), std::back_inserter(candidates));
   }
   for (const Candidate& candidate : candidates) {
     Problem undone = driven;

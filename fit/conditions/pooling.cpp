@@ -177,8 +177,10 @@ RepeatScatter scatter_of(const std::vector<Point>& points, Coordinate coordinate
 void fill_in_scatter(std::vector<Point>& points, PooledPoints& pooled) {
   pooled.along = scatter_of(points, &Point::along, &AlphaV::velocity);
   pooled.across = scatter_of(points, &Point::across, &AlphaV::alpha);
-  const double along = pooled.along.dof > 0 ? internal::student_widening(static_cast<double>(pooled.along.dof)) : 1;
-  const double across = pooled.across.dof > 0 ? internal::student_widening(static_cast<double>(pooled.across.dof)) : 1;
+  const double along =
+      pooled.along.dof > 0 ? internal::student_widening(static_cast<double>(pooled.along.dof)) : 1;
+  const double across =
+      pooled.across.dof > 0 ? internal::student_widening(static_cast<double>(pooled.across.dof)) : 1;
   pooled.widened = std::max(along, across);
   for (Point& point : points) {
     const double speed = along * pooled.along.sd * (pooled.along.relative ? point.speed : 1);

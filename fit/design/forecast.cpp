@@ -40,7 +40,6 @@ Forecaster::Forecaster(const Residuals& residuals, const Eigen::VectorXd& values
     base_ = runs.front().scenario;
     amplitude_from_track_ = runs.front().amplitude_from_track;
   }
-  clockwise_ = std::sin(base_.drive.phase_shift) >= 0;
   const Unknowns& unknowns = residuals.unknowns();
   for (const SummaryRun& run : runs)
     most_steps_ = std::max(
@@ -156,21 +155,6 @@ std::optional<Forecast> Forecaster::forecast(const Candidate& candidate, double 
   }
   if (forecast.information.size() == 0 || !forecast.information.allFinite()) return std::nullopt;
   return forecast;
-}
-
-Forecast Forecaster::turned(const Forecast& forecast, double phi) const {
-  Forecast result = forecast;
-  result.candidate.phi = phi;
-  const Unknowns& unknowns = residuals_.unknowns();
-  const auto x = unknowns.find(FitParameter::tilt_x), y = unknowns.find(FitParameter::tilt_y);
-  if (!x || !y) return result;
-  const double angle = (phi - forecast.candidate.phi) * (clockwise_ ? -1 : 1);
-  Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(unknowns.common(), unknowns.common());
-  turn(*x, *x) = turn(*y, *y) = std::cos(angle);
-  turn(*x, *y) = std::sin(angle);
-  turn(*y, *x) = -std::sin(angle);
-  result.information = turn.transpose() * forecast.information * turn;
-  return result;
 }
 
 }  // namespace tribotrack::fit::internal

@@ -83,7 +83,7 @@ class Search {
     std::vector<std::pair<double, Place*>> order;
     for (Place& place : places_)
       if (place.at_zero && place.own_drive == own_drive)
-        order.emplace_back(smallest_when_turned(*place.at_zero, aim), &place);
+        order.emplace_back(size(after(*place.at_zero), aim), &place);
     std::stable_sort(order.begin(), order.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     const Forecast* chosen = nullptr;
@@ -127,14 +127,6 @@ class Search {
       stage_.done();
     });
     return all;
-  }
-
-  double smallest_when_turned(const Forecast& forecast, std::optional<Eigen::Index> aim) const {
-    double smallest = size(after(forecast), aim);
-    if (!unknowns_.find(FitParameter::tilt_x) || !unknowns_.find(FitParameter::tilt_y)) return smallest;
-    for (int i = 1; i < kPhases; ++i)
-      smallest = std::min(smallest, size(after(forecaster_.turned(forecast, i * kGridStep)), aim));
-    return smallest;
   }
 
   const std::vector<std::optional<Forecast>>& at_every_phase(Place& place) {

@@ -92,8 +92,8 @@ struct Moments {
   double log_evidence = 0;
 };
 
-/// Mean and sd within `reach` of `centre`, by the midpoint rule in a window that closes about what is likely. As
-/// long as its cells are wider than that they are looked at through a blur of their width.
+/// Mean and sd within `reach` of `centre`, by the midpoint rule in a window that closes about what is likely.
+/// As long as its cells are wider than that they are looked at through a blur of their width.
 Moments integrate(const std::vector<EdgeFrame>& frames, double centre, double reach, double tau) {
   constexpr int kPoints = 100, kMostRounds = 12;
   constexpr double kWindow = 7, kWide = 0.5;  // sd to either side; of a window that need not close further

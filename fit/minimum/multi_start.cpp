@@ -14,7 +14,7 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr std::size_t kTracks = 6;        ///< basins that a fit to tracks, whose descents cost much, looks into
+constexpr std::size_t kTracks = 6;  ///< basins that a fit to tracks, whose descents cost much, looks into
 constexpr double kRoughDecrement = 0.01;  ///< a tenth of a standard deviation
 constexpr std::size_t kRunsToSearch = 24;
 

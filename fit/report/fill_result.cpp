@@ -264,9 +264,8 @@ void fill_slide(const Unknowns& unknowns, const Eigen::VectorXd& values, std::si
     result.slide.measured.push_back(measured_along);
     result.slide.modelled.push_back(measured_along - along.dot(points.residual[i]));
   }
-  result.slide.sentence =
-      fmt::format("Initial speed {:.4g} mm/s; {} points, residual {:.3g} mm rms.",
-                  nuisance["initial_speed_mm_s"], result.points, result.rms_m * 1e3);
+  result.slide.sentence = fmt::format("Initial speed {:.4g} mm/s; {} points, residual {:.3g} mm rms.",
+                                      nuisance["initial_speed_mm_s"], result.points, result.rms_m * 1e3);
   nuisance["stop_time_s"] = run.track.time[points.row.front()] + stop_time(result.fitted);
   if (const NuisanceBlock* deviation = unknowns.find(Nuisance::deviation, index))
     nuisance["mu1"] = unknowns.value_of(FitParameter::mu1, values) + values(deviation->first);
@@ -383,10 +382,11 @@ void fill_excess_variance(const Residuals& residuals, bool allowed, FitResult& r
       "intervals with Student's t.{}",
       repeated ? "repeated runs" : "the residuals", robust_meaning(result.loss));
   if (repeated)
-    result.warnings.push_back(fmt::format(
-        "Repeated runs scatter by {} mm per axis more than their own sigma; with that the fit agrees with all "
-        "runs.",
-        number(1e3 * excess.runs)));
+    result.warnings.push_back(
+        fmt::format("Repeated runs scatter by {} mm per axis more than their own sigma; with that the fit "
+                    "agrees with all "
+                    "runs.",
+                    number(1e3 * excess.runs)));
   else if (excess.runs > 0 && result.p_value < kSurprise)
     result.warnings.push_back(fmt::format(
         "The runs scatter by {} mm per axis more than their own sigma (chi2 {}, {}){}something in A, w, tilt "

@@ -82,53 +82,29 @@ void check_run(const TrajectoryRun& run) {
 }  // namespace
 
 const char* to_string(FitParameter parameter) {
-  switch (parameter) {
-    case FitParameter::mu1:
-      return "mu1";
-    case FitParameter::mu2:
-      return "mu2";
-    case FitParameter::lag:
-      return "phase_lag_rad";
-    case FitParameter::delay:
-      return "delay_s";
-    case FitParameter::amplitude:
-      return "amplitude_mm";
-    case FitParameter::angular_frequency:
-      return "angular_frequency_rad_s";
-    case FitParameter::scale:
-      return "mm_per_px";
-    case FitParameter::tilt_x:
-      return "tilt_x_rad";
-    case FitParameter::tilt_y:
-      return "tilt_y_rad";
-    case FitParameter::amplitude_ratio:
-      return "amplitude_ratio";
-    case FitParameter::phase_shift:
-      return "phase_shift_rad";
-    case FitParameter::phase_reference:
-      return "phase_reference_rad";
-    case FitParameter::gravity:
-      return "gravity_m_s2";
-    case FitParameter::slope:
-      return "slope_rad";
-    case FitParameter::start_phase:
-      return "start_phase_rad";
-    case FitParameter::mu2_width:
-      return "mu2_width_1_rad";
-    case FitParameter::wear:
-      return "wear";
-    case FitParameter::stribeck:
-      return "stribeck";
-    case FitParameter::viscous:
-      return "viscous_1_s";
-    case FitParameter::gate_edges:
-      return "gate_edges_rad2";
-    case FitParameter::mu2_speed:
-      return "mu2_speed";
-    case FitParameter::static_friction:
-      return "static_friction";
-  }
-  return "?";
+  constexpr const char* kNames[] = {"mu1",
+                                    "mu2",
+                                    "phase_lag_rad",
+                                    "delay_s",
+                                    "amplitude_mm",
+                                    "angular_frequency_rad_s",
+                                    "mm_per_px",
+                                    "tilt_x_rad",
+                                    "tilt_y_rad",
+                                    "amplitude_ratio",
+                                    "phase_shift_rad",
+                                    "phase_reference_rad",
+                                    "gravity_m_s2",
+                                    "slope_rad",
+                                    "start_phase_rad",
+                                    "mu2_width_1_rad",
+                                    "wear",
+                                    "stribeck",
+                                    "viscous_1_s",
+                                    "gate_edges_rad2",
+                                    "mu2_speed",
+                                    "static_friction"};
+  return kNames[static_cast<std::size_t>(parameter)];
 }
 
 double DiscSpin::rate_sd() const {

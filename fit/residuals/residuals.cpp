@@ -53,9 +53,9 @@ bool Residuals::linearise(const Eigen::VectorXd& values, Laws laws) {
 
 void Residuals::prepare() {
   parallel_for(tracks_.size(), threads_, [&](std::size_t i) {
-    tracks_[i] = std::make_shared<TrackWhitening>(
-        problem_->trajectory_runs[i], first_point_[i], excess_.trajectories[i], excess_.correlated,
-        reference_time_);
+    tracks_[i] =
+        std::make_shared<TrackWhitening>(problem_->trajectory_runs[i], first_point_[i],
+                                         excess_.trajectories[i], excess_.correlated, reference_time_);
   });
 }
 

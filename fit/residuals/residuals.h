@@ -1,9 +1,9 @@
 // All whitened residuals of a problem and their exact derivatives.
 //
 // Rows: two a summary run, L^-1 (measured - modelled / scale) with L L' the covariance; two a trajectory
-// point (track_whitening.h). Rows of summary runs are multiplied by the root of their robust weight. One row a prior,
-// (value - mean)/sd. Group 0 holds summary runs and priors of what all runs share; then there is one group
-// for each trajectory run, its points and the priors of its own unknowns.
+// point (track_whitening.h). Rows of summary runs are multiplied by the root of their robust weight. One row
+// a prior, (value - mean)/sd. Group 0 holds summary runs and priors of what all runs share; then there is one
+// group for each trajectory run, its points and the priors of its own unknowns.
 #pragma once
 
 #include <Eigen/Core>
@@ -75,8 +75,8 @@ class Residuals {
   bool linearise(const Eigen::VectorXd& values, Laws laws = Laws::anew);
   bool linear_in_conditions() const { return terms_ != nullptr; }
 
-  /// nullopt, and `why`, where the model has no motion at these values (InvalidParameter, StepLimitExceeded) or
-  /// the residuals are not finite; any other exception passes. Derivatives are by physical values.
+  /// nullopt, and `why`, where the model has no motion at these values (InvalidParameter, StepLimitExceeded)
+  /// or the residuals are not finite; any other exception passes. Derivatives are by physical values.
   std::optional<Linearised> at(const Eigen::VectorXd& values, bool derivatives = true,
                                std::string* why = nullptr) const;
   double chi2(const Eigen::VectorXd& values) const;  ///< infinity where at() has none

@@ -33,8 +33,8 @@ struct PointResiduals {
 
 class TrackWhitening {
  public:
-  /// Refers to the run. `first`: its first point used; `variances`: of correlated errors, of driven runs alone;
-  /// `reference_time`: theirs, s.
+  /// Refers to the run. `first`: its first point used; `variances`: of correlated errors, of driven runs
+  /// alone; `reference_time`: theirs, s.
   TrackWhitening(const TrajectoryRun& run, std::size_t first, const PointScatter& scatter,
                  const CorrelatedVariances& variances, double reference_time);
 
@@ -60,7 +60,7 @@ class TrackWhitening {
   std::vector<double> times_;
   PointWhitening noise_;            ///< of single points, and slow
   Eigen::MatrixX2d white_, start_;  ///< behind it the start point's columns, and orthonormal ones
-  Eigen::MatrixXd shaped_;  ///< columns of its own errors with shapes, not whitened
+  Eigen::MatrixXd shaped_;          ///< columns of its own errors with shapes, not whitened
   CorrelatedWhitening correlated_;  ///< of them
 };
 

@@ -176,24 +176,6 @@ std::string loose_text(const SlideResult& slide) {
       pm(slide.mu1), slide.first_frame, slide.last_frame);
 }
 
-/// The sentence about slides whose spin was not seen; empty where there are none.
-std::string unseen_spins(const FitResult& result) {
-  std::string names;
-  std::size_t count = 0;
-  double change = 0;
-  for (const SlideResult& slide : result.slides)
-    if (!slide.spin_seen && !slide.spin_fitted && slide.slope == 0) {
-      names += fmt::format("{}'{}'", names.empty() ? "" : ", ", slide.run);
-      change = std::max(change, slide.change_by_half_spin);
-      ++count;
-    }
-  if (count == 0) return "";
-  return fmt::format(
-      "Spin was not seen in {}: {} fitted without. If the rim moved half as fast as the part slides, "
-      "mu1 would be {} % larger.",
-      names, count == 1 ? "it was" : "they were", number(100 * change, 2));
-}
-
 void describe_scatter(const BetweenSlides& between, FitResult& result) {
   result.between_slides = {between.sd, between.p_value};
   result.covariance_meaning += fmt::format(
@@ -230,7 +212,6 @@ void describe_slides(const BetweenSlides* between, FitResult& result) {
   if (result.slides.size() == 1 && result.runs.size() == 1)
     result.systematics.push_back(
         "One slide cannot show how mu1 scatters from slide to slide: the interval is that of this slide.");
-  if (const std::string unseen = unseen_spins(result); !unseen.empty()) result.systematics.push_back(unseen);
   if (between) describe_scatter(*between, result);
 }
 

@@ -16,7 +16,7 @@ class Factor2 {
   Eigen::Matrix2d inverse_lower() const { return llt_.matrixL().solve(Eigen::Matrix2d::Identity()); }
   Eigen::Vector2d whitened(const Eigen::Vector2d& v) const { return llt_.matrixL().solve(v); }  ///< L^-1 v
   Eigen::Vector2d solved(const Eigen::Vector2d& v) const { return llt_.solve(v); }              ///< C^-1 v
-  Eigen::Matrix2Xd whiten_columns(const Eigen::Matrix2Xd& columns) const {  ///< L^-1 B
+  Eigen::Matrix2Xd whiten_columns(const Eigen::Matrix2Xd& columns) const {                      ///< L^-1 B
     return llt_.matrixL().solve(columns);
   }
   Eigen::Matrix2Xd by_upper(const Eigen::Matrix2Xd& columns) const {  ///< L'^-1 B

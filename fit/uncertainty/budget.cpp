@@ -23,46 +23,26 @@ constexpr const char* kStartPhase = "phase at the start of single runs";
 constexpr double kNegligible = 1e-3;
 
 std::string source_name(FitParameter quantity) {
-  switch (quantity) {
-    case FitParameter::amplitude:
-      return "platform's amplitude";
-    case FitParameter::amplitude_ratio:
-      return "ratio of the platform's amplitudes";
-    case FitParameter::angular_frequency:
-      return "platform's frequency";
-    case FitParameter::phase_shift:
-      return "platform's phase shift";
-    case FitParameter::phase_reference:
-      return "phase reference";
-    case FitParameter::scale:
-      return "scale";
-    case FitParameter::gravity:
-      return "gravity";
-    case FitParameter::tilt_x:
-      return "tilt along x";
-    case FitParameter::tilt_y:
-      return "tilt along y";
-    case FitParameter::slope:
-      return "incline's slope";
-    case FitParameter::start_phase:
-      return "phase at the start";
-    case FitParameter::mu2_width:
-      return "rise of mu2 with the gate's width";
-    case FitParameter::wear:
-      return "wear in the course of the campaign";
-    case FitParameter::stribeck:
-      return "friction that falls with speed (Stribeck)";
-    case FitParameter::viscous:
-      return "friction that rises with speed";
-    case FitParameter::gate_edges:
-      return "width of the gate's edges";
-    case FitParameter::mu2_speed:
-      return "rise of mu2 with speed";
-    case FitParameter::static_friction:
-      return "friction at rest";
-    default:
-      return std::string("prior of ") + to_string(quantity);
-  }
+  constexpr const char* kNames[] = {"platform's amplitude",
+                                    "platform's frequency",
+                                    "scale",
+                                    "tilt along x",
+                                    "tilt along y",
+                                    "ratio of the platform's amplitudes",
+                                    "platform's phase shift",
+                                    "phase reference",
+                                    "gravity",
+                                    "incline's slope",
+                                    "phase at the start",
+                                    "rise of mu2 with the gate's width",
+                                    "wear in the course of the campaign",
+                                    "friction that falls with speed (Stribeck)",
+                                    "friction that rises with speed",
+                                    "width of the gate's edges",
+                                    "rise of mu2 with speed",
+                                    "friction at rest"};
+  if (quantity < FitParameter::amplitude) return std::string("prior of ") + to_string(quantity);
+  return kNames[static_cast<std::size_t>(quantity) - static_cast<std::size_t>(FitParameter::amplitude)];
 }
 
 /// An error to imagine in what was taken as exact, SI.

@@ -107,10 +107,11 @@ Eigen::MatrixXd influence_of_runs(const Residuals& residuals, const Minimum& bes
     const std::size_t g = run < summary ? 0 : static_cast<std::size_t>(1 + run - summary);
     const RowGroup& group = left.groups[g];
     const Eigen::Index first = g == 0 ? 2 * run : 0, rows = g == 0 ? 2 : group.residuals.size();
-    influence.row(run) = change(all, group.shared.middleRows(first, rows), group.residuals.segment(first, rows))
-                             .head(reported)
-                             .cwiseQuotient(sd)
-                             .transpose();
+    influence.row(run) =
+        change(all, group.shared.middleRows(first, rows), group.residuals.segment(first, rows))
+            .head(reported)
+            .cwiseQuotient(sd)
+            .transpose();
   }
   return influence;
 }

@@ -11,7 +11,7 @@ namespace tribotrack::fit::internal {
 CorrelatedLikelihood correlated_likelihood_at(const CorrelatedSums& sums, const PartNumbers& variances) {
   const Eigen::Index p = sums.data.cols() - 1;
   CorrelatedLikelihood result;
-  Eigen::MatrixXd data = sums.data;  // [J r]' V^-1 [J r]
+  Eigen::MatrixXd data = sums.data;             // [J r]' V^-1 [J r]
   std::vector<Eigen::MatrixXd> inside, across;  // U'V^-1 U and U'V^-1 [J r] of each run, in the parts' units
   for (const CorrelatedRunSums& run : sums.runs) {
     const auto m = static_cast<Eigen::Index>(run.part.size());

@@ -141,15 +141,13 @@ ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen:
     points +=
         2.0 * static_cast<double>(residuals.track(i).points()) / result.trajectories[i].correlation_time;
   if (!robust)
-    result.runs =
-        runs.scatter(data * std::max(0.0, 1 - unknowns / (data + points)), result.runs > 0, kDoubt);
+    result.runs = runs.scatter(data * std::max(0.0, 1 - unknowns / (data + points)), result.runs > 0, kDoubt);
   else if (runs.differences.size() >= 3)
     result.runs = runs.scatter_by_median(kMedianSquare * std::max(0.2, 1 - unknowns / data));
 
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
-    result.trajectories[i] =
-        between_points(residuals.points(values, i), problem.trajectory_runs[i].free_slide,
-                       result.trajectories[i]);
+    result.trajectories[i] = between_points(residuals.points(values, i),
+                                            problem.trajectory_runs[i].free_slide, result.trajectories[i]);
   return result;
 }
 

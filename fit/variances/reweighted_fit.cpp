@@ -34,7 +34,7 @@ bool unchanged(const ExcessVariance& was, const ExcessVariance& is) {
 
 bool any(const ExcessVariance& scatter) {
   return scatter.runs > 0 || std::any_of(scatter.trajectories.begin(), scatter.trajectories.end(),
-                                           [](const auto& run) { return run.between_points > 0; });
+                                         [](const auto& run) { return run.between_points > 0; });
 }
 
 CorrelatedEstimate reweighted_fit(Residuals& residuals, Minimum& best, const Reweighting& reweighting) {
@@ -105,7 +105,8 @@ const char* robust_meaning(Loss loss) {
   return loss == Loss::squares
              ? ""
              : " Robust loss (Huber): runs beyond 2 sigma count less and the intervals are an M-estimate's "
-               "(Huber's formula), from the spread of the residuals; they trust that at most about one run in "
+               "(Huber's formula), from the spread of the residuals; they trust that at most about one run "
+               "in "
                "five is bad, and a profile likelihood has no meaning with it.";
 }
 

@@ -320,9 +320,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Method{"displacements", displacements},
                     Method{"displacements_huber", displacements, Loss::huber},
                     Method{"displacements_scattered", scattered_displacements, Loss::squares, true},
-                    Method{"tracks", tracks},
-                    Method{"tracks_in_the_camera", tracks_in_the_camera}, Method{"mixed", mixed},
-                    Method{"slides", slides}),
+                    Method{"tracks", tracks}, Method{"tracks_in_the_camera", tracks_in_the_camera},
+                    Method{"mixed", mixed}, Method{"slides", slides}),
     [](const testing::TestParamInfo<Method>& method) { return std::string(method.param.name); });
 
 }  // namespace

@@ -196,7 +196,8 @@ TEST(FitResultJson, AFileWithoutItsKeysIsRefusedByName) {
 /// The same of a run's scenario.
 std::string refusal_of(const char* key, const Json& value) {
   return refusal([&](Json& fit) {
-    Json run = {{"name", "a"}, {"observables", Json::array()}, {"scenario", Json(full())["runs"][0]["scenario"]}};
+    Json run = {
+        {"name", "a"}, {"observables", Json::array()}, {"scenario", Json(full())["runs"][0]["scenario"]}};
     (std::string(key) == "scenario" ? run[key] : run["scenario"][key]) = value;
     fit["runs"] = {run};
   });

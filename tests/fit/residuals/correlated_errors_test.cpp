@@ -106,7 +106,7 @@ TEST(CorrelatedErrors, VariancesAreTheMostLikely) {
   std::mt19937 random(seed);
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  const test::SlowTruth slow{.drift = 2e-6, .walk = 1e-6, .circle = 0.3e-6, .overtones = 0.7e-6};
+  const test::SlowTruth slow{.drift = 2e-6, .walk = 1e-6, .circle = 1e-6, .overtones = 0.7e-6};
   for (int k = 0; k < 3; ++k)
     problem.trajectory_runs.push_back(
         test::slow_track(test::scenario({}, 2.0 * k, 0.8 + 0.3 * k, 3), 200, 0.5e-6, slow, random));
