@@ -147,7 +147,6 @@ void print_audit(const vision::Audit& audit) {
   line("halves_x", audit.halves_x, "left against right half of the part");
   line("halves_y", audit.halves_y, "top against bottom half");
   line("high_frequency", audit.high_frequency, "scatter from frame to frame");
-  line("lag1", audit.lag1, "correlation of consecutive errors; 0 is right");
   print_error(fmt::format("  standard deviations are multiplied by {:.3f}; {:.5f} px over {:.2g} s added",
                           std::sqrt(audit.white_factor), audit.slow_sd, audit.slow_time));
 }
