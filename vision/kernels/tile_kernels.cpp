@@ -76,6 +76,31 @@ TRIBOTRACK_CLONES void sample_tiles(const std::vector<const float*>& corners, st
          : sample_with(corners, stride, taps, pivot, false, arrays);
 }
 
+bool take_levels(const Picture& picture, int left, int top, const std::vector<TilePlace>& tiles, float pivot,
+                 std::vector<float>& level, std::vector<float>& weight) {
+  bool all_inside = true;
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    const int x = left + tiles[t].x, y = top + tiles[t].y;
+    const bool inside = x >= 0 && y >= 0 && x + kTile <= picture.width() && y + kTile <= picture.height();
+    all_inside &= inside;
+    for (int j = 0; j < kTile; ++j) {
+      float* to = level.data() + t * kTilePixels + static_cast<std::size_t>(j * kTile);
+      if (inside) {
+        const float* from = picture.row(y + j).data() + x;
+        for (int i = 0; i < kTile; ++i) to[i] = from[i] - pivot;
+        continue;
+      }
+      float* counts = weight.data() + t * kTilePixels + static_cast<std::size_t>(j * kTile);
+      for (int i = 0; i < kTile; ++i) {
+        const bool seen = x + i >= 0 && x + i < picture.width() && y + j >= 0 && y + j < picture.height();
+        to[i] = seen ? picture.at(x + i, y + j) - pivot : 0.0F;
+        if (!seen) counts[i] = 0;
+      }
+    }
+  }
+  return all_inside;
+}
+
 TRIBOTRACK_CLONES ForceSums force_sums(const TileArrays& arrays, float a, float b) {
   const bool turns = !arrays.slope_theta.empty();
   Lanes fx{}, fy{}, fv{}, f1{}, ft{}, squares{}, weight{}, largest{};

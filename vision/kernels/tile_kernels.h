@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "vision/picture.h"
+
 namespace tribotrack::vision {
 
 inline constexpr int kTile = 8;
@@ -48,6 +50,10 @@ using NormalSums = std::array<double, 15>;
 /// coefficient at the whole pixel below tile t's first place; rows are `stride` apart.
 void sample_tiles(const std::vector<const float*>& corners, std::ptrdiff_t stride, const SplineTaps& taps,
                   float pivot, bool slopes, TileArrays& arrays);
+/// Levels less `pivot` of the picture's pixels under tiles, whose first pixels lie (left, top) further in it;
+/// beyond the picture levels and weights become 0. Whether all of them lie in it.
+bool take_levels(const Picture& picture, int left, int top, const std::vector<TilePlace>& tiles, float pivot,
+                 std::vector<float>& level, std::vector<float>& weight);
 ForceSums force_sums(const TileArrays& arrays, float a, float b);
 /// Over the tiles `tile` .. `end` - 1.
 NormalSums normal_sums(const TileArrays& arrays, std::size_t tile, std::size_t end);
