@@ -101,10 +101,11 @@ bool take_levels(const Picture& picture, int left, int top, const std::vector<Ti
   return all_inside;
 }
 
-TRIBOTRACK_CLONES ForceSums force_sums(const TileArrays& arrays, float a, float b) {
+TRIBOTRACK_CLONES ForceSums force_sums(const TileArrays& arrays, float a, float b, std::size_t tile,
+                                       std::size_t end) {
   const bool turns = !arrays.slope_theta.empty();
   Lanes fx{}, fy{}, fv{}, f1{}, ft{}, squares{}, weight{}, largest{};
-  for (std::size_t i = 0; i < arrays.tiles * kTilePixels; i += kTile) {
+  for (std::size_t i = tile * kTilePixels; i < end * kTilePixels; i += kTile) {
     Lanes v, l, w, x, y;
     load(arrays.value.data() + i, v);
     load(arrays.level.data() + i, l);
@@ -136,32 +137,6 @@ TRIBOTRACK_CLONES ForceSums force_sums(const TileArrays& arrays, float a, float 
 
 TRIBOTRACK_CLONES NormalSums normal_sums(const TileArrays& arrays, std::size_t tile, std::size_t end) {
   return arrays.slope_theta.empty() ? normal_with<4>(arrays, tile, end) : normal_with<5>(arrays, tile, end);
-}
-
-TRIBOTRACK_CLONES void tile_scores(const TileArrays& arrays, float a, float b,
-                                   std::vector<std::array<double, 5>>& out) {
-  const bool turns = !arrays.slope_theta.empty();
-  for (std::size_t t = 0; t < arrays.tiles; ++t) {
-    Lanes fx{}, fy{}, fv{}, f1{}, ft{};
-    for (std::size_t i = t * kTilePixels; i < (t + 1) * kTilePixels; i += kTile) {
-      Lanes v, l, w, x, y;
-      load(arrays.value.data() + i, v);
-      load(arrays.level.data() + i, l);
-      load(arrays.weight.data() + i, w);
-      load(arrays.slope_x.data() + i, x);
-      load(arrays.slope_y.data() + i, y);
-      const Lanes wr = w * (l - a * v - b);
-      fx -= wr * x;
-      fy -= wr * y;
-      fv += wr * v;
-      f1 += wr;
-      if (!turns) continue;
-      Lanes s;
-      load(arrays.slope_theta.data() + i, s);
-      ft += wr * s;
-    }
-    out[t] = {sum(fx), sum(fy), sum(fv), sum(f1), sum(ft)};
-  }
 }
 
 TRIBOTRACK_CLONES CorrelationSums correlation_sums(const TileArrays& arrays,

@@ -54,14 +54,15 @@ void sample_tiles(const std::vector<const float*>& corners, std::ptrdiff_t strid
 /// beyond the picture levels and weights become 0. Whether all of them lie in it.
 bool take_levels(const Picture& picture, int left, int top, const std::vector<TilePlace>& tiles, float pivot,
                  std::vector<float>& level, std::vector<float>& weight);
-ForceSums force_sums(const TileArrays& arrays, float a, float b);
-/// Over the tiles `tile` .. `end` - 1.
+/// Over the tiles `tile` .. `end` - 1, as the next; the force of a column that is not there is 0.
+ForceSums force_sums(const TileArrays& arrays, float a, float b, std::size_t tile, std::size_t end);
+inline ForceSums force_sums(const TileArrays& arrays, float a, float b) {
+  return force_sums(arrays, a, b, 0, arrays.tiles);
+}
 NormalSums normal_sums(const TileArrays& arrays, std::size_t tile, std::size_t end);
 inline NormalSums normal_sums(const TileArrays& arrays) {
   return normal_sums(arrays, 0, arrays.tiles);
 }
-/// Sums of w J r over each tile, 0 for columns that are not there.
-void tile_scores(const TileArrays& arrays, float a, float b, std::vector<std::array<double, 5>>& out);
 CorrelationSums correlation_sums(const TileArrays& arrays, const std::vector<float>& weight);
 
 }  // namespace tribotrack::vision

@@ -242,7 +242,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   bool converged = false;
   LayerForce sums;
   for (int iteration = 0; iteration < kMaxIterations && !converged; ++iteration) {
-    sums = layer_force(arrays_, light_);
+    sums = layer_force(arrays_, light_, 0, arrays_.tiles);
     Vector force = Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data());
     force(kSlopeX) += hold(prior.sd) * (light_.gain * prior.slope_x - light_.slope_x);
     force(kSlopeY) += hold(prior.sd) * (light_.gain * prior.slope_y - light_.slope_y);
@@ -278,7 +278,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
     }
   }
   if (!converged) return std::nullopt;
-  sums = layer_force(arrays_, light_);
+  sums = layer_force(arrays_, light_, 0, arrays_.tiles);
   s.gain = light_.gain + light_.slope_x * (s.centre.x - x0_) + light_.slope_y * (s.centre.y - y0_);
   s.slope_x = light_.slope_x / s.gain;
   s.slope_y = light_.slope_y / s.gain;
@@ -296,11 +296,13 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
 }
 
 ClusterPulls LayeredRegistration::cluster_pulls() {
-  layer_scores(arrays_, light_, scores_);
-  const Eigen::Matrix<float, 2, Eigen::Dynamic> rows = inverse_of(normal_).topRows<2>().cast<float>();
+  const Eigen::Matrix<double, 2, kLayerColumns> rows = inverse_of(normal_).topRows<2>();
   ClusterPulls out(clusters_, Eigen::Vector2f::Zero());
-  for (std::size_t t = 0; t < scores_.size(); ++t)
-    out[cluster_[t]] += rows * Eigen::Map<const Eigen::Matrix<float, kLayerColumns, 1>>(scores_[t].data());
+  for (std::size_t t = 0; t < arrays_.tiles; ++t) {
+    const LayerForce sums = layer_force(arrays_, light_, t, t + 1);
+    out[cluster_[t]] +=
+        (rows * Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data())).cast<float>();
+  }
   return out;
 }
 
