@@ -10,9 +10,8 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kBlock = 32;          ///< px: many widths of a texture, and light is even over it
-constexpr double kOutlier = 4;      ///< sd
-constexpr double kOutlierEdge = 3;  ///< px about a covering object that are half covered
+constexpr int kBlock = 32;      ///< px: many widths of a texture, and light is even over it
+constexpr double kOutlier = 4;  ///< sd
 constexpr int kMostIterations = 20;
 constexpr int kMostTrims = 4;
 constexpr double kTolerance = 0.02;  ///< of the standard deviation: adds a thousandth to it
@@ -148,7 +147,7 @@ std::size_t GroundRegistration::trim(const Fit& fit) {
       outliers[i] = b.shown[i] * r * r > limit;
     }
     b.arrays.weight = b.shown;
-    if (spread_outliers(b.tiles, kOutlierEdge, outliers) == 0) continue;
+    if (spread_outliers(b.tiles, outliers) == 0) continue;
     for (std::size_t i = 0; i < b.shown.size(); ++i)
       if (outliers[i] != 0 && b.shown[i] > 0) {
         b.arrays.weight[i] = 0;

@@ -156,7 +156,6 @@ double TemplateRegistration::score(const Picture& picture, int x, int y, const P
 
 namespace {
 
-constexpr double kOutlierEdge = 3;         ///< px about a covering object that are half covered
 constexpr double kMaxTrim = 0.4;           ///< a larger share of outliers: it is not the template
 constexpr double kUsual = 4 * kNormalMad;  ///< median sizes of the residual
 
@@ -177,7 +176,7 @@ std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, doubl
   std::vector<unsigned char> outliers(mask_.size());
   for (std::size_t i = 0; i < mask_.size(); ++i) outliers[i] = static_cast<double>(residual[i]) > limit;
   // A texture that has turned does not match anywhere until its angle is found.
-  if (!options_.rotation) spread_outliers(places_, kOutlierEdge, outliers);
+  if (!options_.rotation) spread_outliers(places_, outliers);
   std::size_t count = 0;
   for (std::size_t i = 0; i < mask_.size(); ++i) {
     if (outliers[i] == 0 || !(base_weight_[i] > 0)) continue;

@@ -19,7 +19,6 @@ constexpr int kMaxIterations = 12;
 constexpr double kTrim = 5;         ///< sd: a pixel further off is something else (dust, a hand, a lamp)
 constexpr double kMaxTrim = 0.2;    ///< share of the pixels
 constexpr double kLeastSeen = 0.6;  ///< share of the informative pixels that must be in the picture
-constexpr double kStrangeEdge = 3;  ///< px about what covers the part that are half covered
 constexpr double kMostTaken = 0.7;  ///< of few clusters' squares: what is left would scatter too much
 constexpr double kGroundGain =
     0.3;                         ///< sd of the ground's light before a frame is looked at: it hardly binds
@@ -207,7 +206,7 @@ std::size_t LayeredRegistration::trim() {
     const float r = residual(i);
     strange[i] = arrays_.weight[i] * r * r > static_cast<float>(kTrim * kTrim) * usual;
   }
-  spread_outliers(places_, kStrangeEdge, strange);
+  spread_outliers(places_, strange);
   std::size_t count = 0;
   for (std::size_t i = 0; i < counts_.size(); ++i) {
     if (strange[i] == 0 || counts_[i] == 0) continue;
