@@ -76,10 +76,36 @@ TRIBOTRACK_CLONES void sample_tiles(const std::vector<const float*>& corners, st
          : sample_with(corners, stride, taps, pivot, false, arrays);
 }
 
-TRIBOTRACK_CLONES ForceSums force_sums(const TileArrays& arrays, float a, float b) {
+bool take_levels(const Picture& picture, int left, int top, const std::vector<TilePlace>& tiles, float pivot,
+                 std::vector<float>& level, std::vector<float>& weight) {
+  bool all_inside = true;
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    const int x = left + tiles[t].x, y = top + tiles[t].y;
+    const bool inside = x >= 0 && y >= 0 && x + kTile <= picture.width() && y + kTile <= picture.height();
+    all_inside &= inside;
+    for (int j = 0; j < kTile; ++j) {
+      float* to = level.data() + t * kTilePixels + static_cast<std::size_t>(j * kTile);
+      if (inside) {
+        const float* from = picture.row(y + j).data() + x;
+        for (int i = 0; i < kTile; ++i) to[i] = from[i] - pivot;
+        continue;
+      }
+      float* counts = weight.data() + t * kTilePixels + static_cast<std::size_t>(j * kTile);
+      for (int i = 0; i < kTile; ++i) {
+        const bool seen = x + i >= 0 && x + i < picture.width() && y + j >= 0 && y + j < picture.height();
+        to[i] = seen ? picture.at(x + i, y + j) - pivot : 0.0F;
+        if (!seen) counts[i] = 0;
+      }
+    }
+  }
+  return all_inside;
+}
+
+TRIBOTRACK_CLONES ForceSums force_sums(const TileArrays& arrays, float a, float b, std::size_t tile,
+                                       std::size_t end) {
   const bool turns = !arrays.slope_theta.empty();
   Lanes fx{}, fy{}, fv{}, f1{}, ft{}, squares{}, weight{}, largest{};
-  for (std::size_t i = 0; i < arrays.tiles * kTilePixels; i += kTile) {
+  for (std::size_t i = tile * kTilePixels; i < end * kTilePixels; i += kTile) {
     Lanes v, l, w, x, y;
     load(arrays.value.data() + i, v);
     load(arrays.level.data() + i, l);
@@ -111,32 +137,6 @@ TRIBOTRACK_CLONES ForceSums force_sums(const TileArrays& arrays, float a, float 
 
 TRIBOTRACK_CLONES NormalSums normal_sums(const TileArrays& arrays, std::size_t tile, std::size_t end) {
   return arrays.slope_theta.empty() ? normal_with<4>(arrays, tile, end) : normal_with<5>(arrays, tile, end);
-}
-
-TRIBOTRACK_CLONES void tile_scores(const TileArrays& arrays, float a, float b,
-                                   std::vector<std::array<double, 5>>& out) {
-  const bool turns = !arrays.slope_theta.empty();
-  for (std::size_t t = 0; t < arrays.tiles; ++t) {
-    Lanes fx{}, fy{}, fv{}, f1{}, ft{};
-    for (std::size_t i = t * kTilePixels; i < (t + 1) * kTilePixels; i += kTile) {
-      Lanes v, l, w, x, y;
-      load(arrays.value.data() + i, v);
-      load(arrays.level.data() + i, l);
-      load(arrays.weight.data() + i, w);
-      load(arrays.slope_x.data() + i, x);
-      load(arrays.slope_y.data() + i, y);
-      const Lanes wr = w * (l - a * v - b);
-      fx -= wr * x;
-      fy -= wr * y;
-      fv += wr * v;
-      f1 += wr;
-      if (!turns) continue;
-      Lanes s;
-      load(arrays.slope_theta.data() + i, s);
-      ft += wr * s;
-    }
-    out[t] = {sum(fx), sum(fy), sum(fv), sum(f1), sum(ft)};
-  }
 }
 
 TRIBOTRACK_CLONES CorrelationSums correlation_sums(const TileArrays& arrays,

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "vision/picture.h"
+
 namespace tribotrack::vision {
 
 inline constexpr int kTile = 8;
@@ -48,14 +50,19 @@ using NormalSums = std::array<double, 15>;
 /// coefficient at the whole pixel below tile t's first place; rows are `stride` apart.
 void sample_tiles(const std::vector<const float*>& corners, std::ptrdiff_t stride, const SplineTaps& taps,
                   float pivot, bool slopes, TileArrays& arrays);
-ForceSums force_sums(const TileArrays& arrays, float a, float b);
-/// Over the tiles `tile` .. `end` - 1.
+/// Levels less `pivot` of the picture's pixels under tiles, whose first pixels lie (left, top) further in it;
+/// beyond the picture levels and weights become 0. Whether all of them lie in it.
+bool take_levels(const Picture& picture, int left, int top, const std::vector<TilePlace>& tiles, float pivot,
+                 std::vector<float>& level, std::vector<float>& weight);
+/// Over the tiles `tile` .. `end` - 1, as the next; the force of a column that is not there is 0.
+ForceSums force_sums(const TileArrays& arrays, float a, float b, std::size_t tile, std::size_t end);
+inline ForceSums force_sums(const TileArrays& arrays, float a, float b) {
+  return force_sums(arrays, a, b, 0, arrays.tiles);
+}
 NormalSums normal_sums(const TileArrays& arrays, std::size_t tile, std::size_t end);
 inline NormalSums normal_sums(const TileArrays& arrays) {
   return normal_sums(arrays, 0, arrays.tiles);
 }
-/// Sums of w J r over each tile, 0 for columns that are not there.
-void tile_scores(const TileArrays& arrays, float a, float b, std::vector<std::array<double, 5>>& out);
 CorrelationSums correlation_sums(const TileArrays& arrays, const std::vector<float>& weight);
 
 }  // namespace tribotrack::vision

@@ -169,12 +169,7 @@ void LayeredPass::keep_windows() {
 
 void LayeredPass::learn() {
   const auto running = clock_.enter(Stage::layers_learning);
-  learnt_ = learn_part(kept_, ground_, registration_,
-                       {.radius = first_.disc.radius,
-                        .blur = first_.blur,
-                        .noise_variance = first_.noise_variance,
-                        .hidden = hidden_,
-                        .threads = options_.threads});
+  learnt_ = learn_part(kept_, ground_, registration_, first_, hidden_, options_.threads);
 }
 
 void LayeredPass::measure() {

@@ -10,9 +10,8 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kBlock = 32;          ///< px: many widths of a texture, and light is even over it
-constexpr double kOutlier = 4;      ///< sd
-constexpr double kOutlierEdge = 3;  ///< px about a covering object that are half covered
+constexpr int kBlock = 32;      ///< px: many widths of a texture, and light is even over it
+constexpr double kOutlier = 4;  ///< sd
 constexpr int kMostIterations = 20;
 constexpr int kMostTrims = 4;
 constexpr double kTolerance = 0.02;  ///< of the standard deviation: adds a thousandth to it
@@ -85,22 +84,13 @@ void GroundRegistration::add_blocks() {
 /// Grey levels under the ground moved by whole pixels. False where too little of it is seen.
 bool GroundRegistration::take(const GroundFrame& frame, int whole_x, int whole_y) {
   double seen = 0;
-  const Rect& window = frame.window;
+  const int left = ground_.place.x + whole_x, top = ground_.place.y + whole_y;
   for (Block& b : blocks_) {
     b.shown = b.weight;
+    take_levels(frame.picture, left - frame.window.x, top - frame.window.y, b.tiles, ground_.level,
+                b.arrays.level, b.shown);
     for (std::size_t t = 0; t < b.tiles.size(); ++t) {
-      const Rect tile{ground_.place.x + b.tiles[t].x + whole_x, ground_.place.y + b.tiles[t].y + whole_y,
-                      kTile, kTile};
-      const bool inside = window.contains(tile);
-      float* level = b.arrays.level.data() + t * kTilePixels;
-      float* weight = b.shown.data() + t * kTilePixels;
-      for (int j = 0; j < kTile; ++j)
-        for (int i = 0; i < kTile; ++i, ++level, ++weight) {
-          const int x = tile.x + i - window.x, y = tile.y + j - window.y;
-          const bool there = inside || (x >= 0 && y >= 0 && x < window.width && y < window.height);
-          *level = there ? frame.picture.at(x, y) - ground_.level : 0;
-          if (!there) *weight = 0;
-        }
+      const Rect tile{left + b.tiles[t].x, top + b.tiles[t].y, kTile, kTile};
       for (const Circle& c : frame.hidden) {
         if (!touches(tile, c)) continue;
         for (std::size_t k = 0; k < kTilePixels; ++k) {
@@ -119,7 +109,7 @@ bool GroundRegistration::take(const GroundFrame& frame, int whole_x, int whole_y
 
 void GroundRegistration::sample(const Point& fraction) {
   for (Block& b : blocks_)
-    ground_.less.sample_tiles(-fraction.x, -fraction.y, b.tiles, b.corners, true, b.arrays);
+    ground_.less.sample_tiles(-fraction.x, -fraction.y, b.tiles, b.corners, 0, true, b.arrays);
 }
 
 std::optional<GroundRegistration::Fit> GroundRegistration::solve() {
@@ -157,7 +147,7 @@ std::size_t GroundRegistration::trim(const Fit& fit) {
       outliers[i] = b.shown[i] * r * r > limit;
     }
     b.arrays.weight = b.shown;
-    if (spread_outliers(b.tiles, kOutlierEdge, outliers) == 0) continue;
+    if (spread_outliers(b.tiles, outliers) == 0) continue;
     for (std::size_t i = 0; i < b.shown.size(); ++i)
       if (outliers[i] != 0 && b.shown[i] > 0) {
         b.arrays.weight[i] = 0;

@@ -156,7 +156,6 @@ double TemplateRegistration::score(const Picture& picture, int x, int y, const P
 
 namespace {
 
-constexpr double kOutlierEdge = 3;         ///< px about a covering object that are half covered
 constexpr double kMaxTrim = 0.4;           ///< a larger share of outliers: it is not the template
 constexpr double kUsual = 4 * kNormalMad;  ///< median sizes of the residual
 
@@ -177,7 +176,7 @@ std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, doubl
   std::vector<unsigned char> outliers(mask_.size());
   for (std::size_t i = 0; i < mask_.size(); ++i) outliers[i] = static_cast<double>(residual[i]) > limit;
   // A texture that has turned does not match anywhere until its angle is found.
-  if (!options_.rotation) spread_outliers(places_, kOutlierEdge, outliers);
+  if (!options_.rotation) spread_outliers(places_, outliers);
   std::size_t count = 0;
   for (std::size_t i = 0; i < mask_.size(); ++i) {
     if (outliers[i] == 0 || !(base_weight_[i] > 0)) continue;
@@ -194,11 +193,11 @@ std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, doubl
 
 /// Sandwich covariance of (dx, dy, theta) with the tiles as clusters.
 Eigen::Matrix3d TemplateRegistration::sandwich(const Matrix& inverse, double gain, double offset) {
-  std::vector<std::array<double, 5>> scores(places_.size());
-  tile_scores(arrays_, static_cast<float>(gain), static_cast<float>(offset), scores);
   Eigen::Matrix<double, 5, 5> meat = Eigen::Matrix<double, 5, 5>::Zero();
-  for (const std::array<double, 5>& of_tile : scores) {
-    const Eigen::Map<const Eigen::Matrix<double, 5, 1>> score(of_tile.data());
+  for (std::size_t t = 0; t < places_.size(); ++t) {
+    const ForceSums of_tile =
+        force_sums(arrays_, static_cast<float>(gain), static_cast<float>(offset), t, t + 1);
+    const Eigen::Map<const Eigen::Matrix<double, 5, 1>> score(of_tile.force.data());
     meat += score * score.transpose();
   }
   const Matrix covariance = inverse * meat.topLeftCorner(columns(), columns()) * inverse / (gain * gain);
@@ -212,8 +211,6 @@ Eigen::Matrix3d TemplateRegistration::sandwich(const Matrix& inverse, double gai
 
 std::vector<TileSums> TemplateRegistration::tile_sums() {
   const std::size_t tiles = places_.size();
-  std::vector<std::array<double, 5>> scores(tiles);
-  tile_scores(arrays_, static_cast<float>(found_.gain), static_cast<float>(found_.offset), scores);
   const int n = columns();
   const double weight = normal_matrix()(3, 3);
 
@@ -224,7 +221,9 @@ std::vector<TileSums> TemplateRegistration::tile_sums() {
   std::vector<TileSums> out(tiles);
   for (std::size_t t = 0; t < tiles; ++t) {
     const Matrix normal = filled(normal_sums(arrays_, t, t + 1));
-    Vector score = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(scores[t].data()).head(n);
+    const ForceSums sums =
+        force_sums(arrays_, static_cast<float>(found_.gain), static_cast<float>(found_.offset), t, t + 1);
+    Vector score = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(sums.force.data()).head(n);
     // The known force of the template's noise: at the optimum it is what the scores add up to.
     score.head<2>() -= normal(3, 3) / weight * found_.noise_force;
     constexpr double kMiddle = 0.5 * (kTile - 1);

@@ -90,12 +90,7 @@ void TemplateRegistration::sample_template(const Pose& fraction, bool slopes) {
   if (options_.rotation) return sample_turned(fraction, slopes);
   const double x = pattern_.window.x - spline_x_ - fraction.dx;
   const double y = pattern_.window.y - spline_y_ - fraction.dy;
-  const int ix = static_cast<int>(std::floor(x));
-  const int iy = static_cast<int>(std::floor(y));
-  const SplineTaps taps = spline_taps(x - ix, y - iy);
-  for (std::size_t t = 0; t < places_.size(); ++t)
-    corners_[t] = spline_.coefficient(ix + places_[t].x, iy + places_[t].y);
-  sample_tiles(corners_, spline_.stride(), taps, pivot_, slopes, arrays_);
+  spline_.sample_tiles(x, y, places_, corners_, pivot_, slopes, arrays_);
 }
 
 /// Every pixel has a fraction of its own.
@@ -163,29 +158,8 @@ Picture TemplateRegistration::chosen() const {
 bool TemplateRegistration::take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y) {
   const Rect& w = pattern_.window;
   if (!whole_mask_) base_weight_ = mask_;
-  bool all_inside = true;
-  for (std::size_t t = 0; t < places_.size(); ++t) {
-    const int left = places_[t].x + w.x + whole_x - x;
-    const int top = places_[t].y + w.y + whole_y - y;
-    float* level = arrays_.level.data() + t * kTilePixels;
-    float* weight = base_weight_.data() + t * kTilePixels;
-    const bool inside =
-        left >= 0 && top >= 0 && left + kTile <= picture.width() && top + kTile <= picture.height();
-    all_inside &= inside;
-    for (int j = 0; j < kTile; ++j, level += kTile, weight += kTile) {
-      if (inside) {
-        const float* from = picture.row(top + j).data() + left;
-        for (int i = 0; i < kTile; ++i) level[i] = from[i] - pivot_;
-      } else {
-        for (int i = 0; i < kTile; ++i) {
-          const bool seen =
-              left + i >= 0 && left + i < picture.width() && top + j >= 0 && top + j < picture.height();
-          level[i] = seen ? picture.at(left + i, top + j) - pivot_ : 0.0F;
-          if (!seen) weight[i] = 0;
-        }
-      }
-    }
-  }
+  const bool all_inside = take_levels(picture, w.x + whole_x - x, w.y + whole_y - y, places_, pivot_,
+                                      arrays_.level, base_weight_);
   // What the frame before changed: mostly nothing.
   if (trimmed_ || !all_inside || !whole_mask_) arrays_.weight = base_weight_;
   trimmed_ = false;

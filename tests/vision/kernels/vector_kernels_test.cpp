@@ -80,10 +80,10 @@ TEST(VectorKernels, SumsOverTiles) {
   const CorrelationSums c = correlation_sums(a, a.weight);
   vl.expect(c.vl, "vl");
   ll.expect(c.ll, "ll");
-  std::vector<std::array<double, 5>> of_tiles(kTiles);
-  tile_scores(a, gain, offset, of_tiles);
-  for (std::size_t t = 0; t < kTiles; ++t)
-    for (std::size_t j = 0; j < 5; ++j) scores[t][j].expect(of_tiles[t][j], "score", 5 * t + j);
+  for (std::size_t t = 0; t < kTiles; ++t) {
+    const ForceSums of_tile = force_sums(a, gain, offset, t, t + 1);
+    for (std::size_t j = 0; j < 5; ++j) scores[t][j].expect(of_tile.force[j], "score", 5 * t + j);
+  }
 }
 
 TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
@@ -111,7 +111,7 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
   const LayerLight light{1.05, 1e-3, -2e-3, 0.97, 0.8, 70};
   LayerArrays formed = a;
   const LayerNormal normal = form_normal(formed, mask, light);
-  const LayerForce force = layer_force(formed, light);
+  const LayerForce force = layer_force(formed, light, 0, kTiles);
   std::array<SlowSum, std::tuple_size_v<LayerNormal>> slow_normal;
   std::array<SlowSum, kLayerColumns> slow_force;
   SlowSum squares;
@@ -156,11 +156,11 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
                                                        static_cast<std::size_t>(at));
   }
   squares.expect(force.squares, "squares");
-  TileScores scores;
-  layer_scores(formed, light, scores);
-  for (std::size_t t = 0; t < kTiles; ++t)
+  for (std::size_t t = 0; t < kTiles; ++t) {
+    const LayerForce of_tile = layer_force(formed, light, t, t + 1);
     for (std::size_t j = 0; j < kLayerColumns; ++j)
-      slow_scores[t][j].expect(static_cast<double>(scores[t][j]), "score", kLayerColumns * t + j);
+      slow_scores[t][j].expect(of_tile.force[j], "score", kLayerColumns * t + j);
+  }
 }
 
 TEST(VectorKernels, SplineAtAnyPlaceIsTheSplineItself) {

@@ -60,7 +60,6 @@ TEST_P(BrushedPlatform, IsTrackedNearTheBoundWithTrueErrors) {
   EXPECT_GT(errors_of(single.track, s).rms, 3 * e.rms);
 }
 INSTANTIATE_TEST_SUITE_P(TextureGreyLevels, BrushedPlatform, testing::Values(6.0));
-INSTANTIATE_TEST_SUITE_P(DISABLED_Campaign, BrushedPlatform, testing::Values(12.0));
 
 TEST(LayeredStage, IsTheSameBitForBitForAnyNumberOfThreads) {
   SlidingScene s;

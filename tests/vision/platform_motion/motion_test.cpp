@@ -234,23 +234,6 @@ TEST(GroundMotion, AGlanceTellsRestFromMotion) {
   }
 }
 
-/// In a large picture fields are chosen, and frames placed along strokes 3 px wide by bins of 2 px.
-TEST(GroundMotionCampaign, DISABLED_AGlanceSeesTheStrokesOfALargePicture) {
-  Circling s;
-  s.scene.width = 1280;
-  s.scene.height = 640;
-  s.scene.platform.texture_rms = 8;
-  s.scene.platform.texture_length_px = 40;
-  s.scene.platform.texture_width_px = 3;
-  s.scene.read_noise = 1.2;
-  s.scene.disc.radius_px = 60;
-  s.circle_px = 5.6;
-  s.frames = 12;
-  const auto pictures = s.pictures();
-  const GroundVerdict moving = glance(s, pictures);
-  EXPECT_TRUE(moving.moves) << moving.reason;
-}
-
 TEST(GroundMotion, WithoutTextureNothingIsFollowed) {
   Circling s;
   s.scene.platform.texture_rms = 0;

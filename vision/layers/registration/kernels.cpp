@@ -71,11 +71,12 @@ TRIBOTRACK_CLONES LayerNormal form_normal(LayerArrays& a, const std::vector<floa
   return out;
 }
 
-TRIBOTRACK_CLONES LayerForce layer_force(LayerArrays& a, const LayerLight& at) {
+TRIBOTRACK_CLONES LayerForce layer_force(LayerArrays& a, const LayerLight& at, std::size_t tile,
+                                         std::size_t end) {
   const FloatLight light(at);
   Lanes force[kLayerColumns] = {}, squares{}, largest{};
   Lanes n{}, sum_m{}, sum_i{}, sum_mm{}, sum_ii{}, sum_mi{};
-  for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
+  for (std::size_t i = tile * kTilePixels; i < end * kTilePixels; i += kTile) {
     Lanes s, w, wx, wy, g, gx, gy, u, v, level, weight, x, y;
     load(a.part.value.data() + i, s);
     load(a.share.value.data() + i, w);
@@ -119,36 +120,6 @@ TRIBOTRACK_CLONES LayerForce layer_force(LayerArrays& a, const LayerLight& at) {
   for (int i = 0; i < kTile; ++i) out.largest = std::fmax(out.largest, static_cast<double>(largest[i]));
   out.correlation = {sum(n), sum(sum_m), sum(sum_i), sum(sum_mm), sum(sum_ii), sum(sum_mi)};
   return out;
-}
-
-TRIBOTRACK_CLONES void layer_scores(const LayerArrays& a, const LayerLight& at, TileScores& out) {
-  out.resize(a.tiles);
-  const FloatLight light(at);
-  for (std::size_t t = 0; t < a.tiles; ++t) {
-    Lanes score[kLayerColumns] = {};
-    for (std::size_t i = t * kTilePixels; i < (t + 1) * kTilePixels; i += kTile) {
-      Lanes s, w, below, u, v, level, weight, x, y;
-      load(a.part.value.data() + i, s);
-      load(a.share.value.data() + i, w);
-      load(a.below.data() + i, below);
-      load(a.u.data() + i, u);
-      load(a.v.data() + i, v);
-      load(a.level.data() + i, level);
-      load(a.weight.data() + i, weight);
-      load(a.step_x.data() + i, x);
-      load(a.step_y.data() + i, y);
-      const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v, own = s - light.mean * w;
-      const Lanes wr = weight * (level - shine * own - light.ground * below);
-      const Lanes on_part = wr * own;
-      score[kStepX] += wr * x;
-      score[kStepY] += wr * y;
-      score[kGain] += on_part;
-      score[kSlopeX] += on_part * u;
-      score[kSlopeY] += on_part * v;
-      score[kGround] += wr * below;
-    }
-    for (std::size_t c = 0; c < kLayerColumns; ++c) out[t][c] = static_cast<float>(sum(score[c]));
-  }
 }
 
 namespace {

@@ -45,13 +45,9 @@ struct LayerForce {
 /// Sums of weight J_i J_j, i <= j, row after row of the upper triangle.
 using LayerNormal = std::array<double, kLayerColumns*(kLayerColumns + 1) / 2>;
 
-/// Sums of weight J r over each tile.
-using TileScores = std::vector<std::array<float, kLayerColumns>>;
-
 /// Sets weights (from 0 and 1 in `mask`), step_x, step_y, and returns the normal sums.
 LayerNormal form_normal(LayerArrays& arrays, const std::vector<float>& mask, const LayerLight& light);
-/// Sets `below` to what the share now is.
-LayerForce layer_force(LayerArrays& arrays, const LayerLight& light);
-void layer_scores(const LayerArrays& arrays, const LayerLight& light, TileScores& out);
+/// Over the tiles `tile` .. `end` - 1. Sets `below` to what the share now is.
+LayerForce layer_force(LayerArrays& arrays, const LayerLight& light, std::size_t tile, std::size_t end);
 
 }  // namespace tribotrack::vision

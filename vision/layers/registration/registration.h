@@ -83,7 +83,6 @@ class LayeredRegistration {
   Eigen::Array2d share_taken_ = Eigen::Array2d::Zero();
   std::vector<std::size_t> cluster_;  ///< of each tile
   std::size_t clusters_ = 0;
-  TileScores scores_;
 
   // The frame at hand.
   int x0_ = 0, y0_ = 0;  ///< the centre's pixel
