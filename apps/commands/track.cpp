@@ -301,7 +301,7 @@ void add_track(CLI::App& app, Context& context) {
              "Scale by the side of the tag's black square (--marker tag:...)");
   command
       .add_option("--calibration", options->choices.calibration,
-                  "Scale, lens and plane of the platform from `tribotrack calibrate`")
+                  "Scale, lens and plane of the platform (`tribotrack help phone-video`)")
       ->type_name("FILE");
   add_number(command, "--height-mm", options->choices.height_mm,
              "Height of the part's top above the marker's plane");
