@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/io/levels.h"
 #include "vision/io/picture_files.h"
 #include "vision/overlay.h"
 #include "vision/temporary_file.h"
@@ -38,12 +39,7 @@ Range range_of(const StagePicture& picture) {
   for (const float level : picture.levels.levels())
     if (std::isfinite(level)) levels.push_back(level);
   if (levels.empty()) return {};
-  const auto at = [&](double share) {
-    const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(levels.size() - 1));
-    std::nth_element(levels.begin(), levels.begin() + rank, levels.end());
-    return static_cast<double>(levels[static_cast<std::size_t>(rank)]);
-  };
-  Range range{at(0.005), at(0.995)};
+  Range range{level_of_share(levels, 0.005), level_of_share(levels, 0.995)};
   if (picture.zero_centred) {
     range.high = std::max({std::abs(range.low), std::abs(range.high), 1.0});
     range.low = -range.high;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <vector>
 
 #include "vision/frame_sink.h"
 #include "vision/frame_source.h"
@@ -53,6 +54,9 @@ inline void luma_of_bgr_16(const std::uint8_t* stored, std::span<float> levels) 
   for (std::size_t i = 0; i < levels.size(); ++i)
     levels[i] = luma(word_at(stored, 3 * i + 2), word_at(stored, 3 * i + 1), word_at(stored, 3 * i));
 }
+
+/// The level below which that share of them lies, 0 to 1; of none 0. Reorders them.
+float level_of_share(std::vector<float>& levels, double share);
 
 // What every sink does with a picture before it stores it.
 

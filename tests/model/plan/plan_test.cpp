@@ -83,15 +83,6 @@ TEST(Plan, SaysWhatTheSceneNeeds) {
   Scenario s = pulsed(0.1);
   s.friction.reduced = s.friction.nominal;
   EXPECT_FALSE(stage(s, "friction switches").on);
-  EXPECT_FALSE(stage(s, "tilt").on);
-  s.drive.tilt_y = 1e-3;
-  EXPECT_TRUE(stage(s, "tilt").on);
-  EXPECT_FALSE(stage(s, "elliptic drive").on);
-  s.drive.amplitude_y *= 0.9;
-  EXPECT_TRUE(stage(s, "elliptic drive").on);
-  EXPECT_TRUE(stage(s, "platform drive").on);
-  s.drive.amplitude = s.drive.amplitude_y = 0;
-  EXPECT_FALSE(stage(s, "platform drive").on);
   EXPECT_TRUE(stage(pulsed(0.1), "transient").on);
   s = pulsed(0.1);
   s.start = Start::steady;

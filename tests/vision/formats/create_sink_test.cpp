@@ -96,14 +96,6 @@ TEST_F(FrameSinkTest, CaptureRatesSurviveTheirContainers) {
     }
 }
 
-TEST_F(FrameSinkTest, CineStampsAndExposure) {
-  write_recording(file("a.cine"), {.width = 8, .height = 8, .frame_rate_hz = 1234.5, .exposure_s = 37e-6},
-                  50);
-  const auto source = open_source(file("a.cine"));
-  for (int k = 0; k < 50; ++k) EXPECT_NEAR(source->time_s(k), k / 1234.5, 0.5e-9);
-  EXPECT_NEAR(*source->info().exposure_s, 37e-6, 1e-9);
-}
-
 TEST_F(FrameSinkTest, MoreImagesThanTheRoomLeftForTheirTables) {
   const SinkOptions options{.width = 4, .height = 2, .frame_rate_hz = 1e5};
   write_recording(file("a.cine"), options, 5001);

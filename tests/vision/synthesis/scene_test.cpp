@@ -20,31 +20,15 @@ TEST(Scene, TheDefaultsAreValid) {
 TEST(Scene, ValidationNamesTheKeyAndTheValue) {
   const std::vector<std::pair<std::string, std::function<void(Scene&)>>> cases{
       {"width must be 1 to 16384, not 0", [](Scene& s) { s.width = 0; }},
-      {"height", [](Scene& s) { s.height = -4; }},
       {"bits", [](Scene& s) { s.bits = 7; }},
-      {"bits", [](Scene& s) { s.bits = 17; }},
       {"disc.radius_px must be a positive number, not -3", [](Scene& s) { s.disc.radius_px = -3; }},
-      {"disc.radius_px", [](Scene& s) { s.disc.radius_px = NAN; }},
-      {"disc.level", [](Scene& s) { s.disc.level = -1; }},
       {"disc.edge_blur_px must be at least 0.1", [](Scene& s) { s.disc.edge_blur_px = 0; }},
-      {"disc.scratches", [](Scene& s) { s.disc.scratches = -1; }},
-      {"disc.scratch_contrast", [](Scene& s) { s.disc.scratch_contrast = INFINITY; }},
       {"disc.highlight", [](Scene& s) { s.disc.highlight = NAN; }},
-      {"platform.level", [](Scene& s) { s.platform.level = NAN; }},
       {"platform.texture_rms", [](Scene& s) { s.platform.texture_rms = -1; }},
-      {"platform.brush_angle_rad", [](Scene& s) { s.platform.brush_angle_rad = NAN; }},
-      {"platform.texture_length_px", [](Scene& s) { s.platform.texture_length_px = 0; }},
-      {"platform.texture_width_px", [](Scene& s) { s.platform.texture_width_px = 0.1; }},
       {"marker.position", [](Scene& s) { s.marker.emplace().position.y = NAN; }},
-      {"marker.radius_px", [](Scene& s) { s.marker.emplace().radius_px = 0; }},
-      {"marker.ring_level", [](Scene& s) { s.marker.emplace().ring_level = -2; }},
-      {"lamp.radius_px", [](Scene& s) { s.lamp.emplace().radius_px = 0; }},
       {"lamp.on_level", [](Scene& s) { s.lamp.emplace().on_level = NAN; }},
       {"vignetting", [](Scene& s) { s.vignetting = 1; }},
       {"flicker must", [](Scene& s) { s.flicker = -0.1; }},
-      {"flicker_hz", [](Scene& s) { s.flicker_hz = NAN; }},
-      {"read_noise", [](Scene& s) { s.read_noise = -1; }},
-      {"shot_noise", [](Scene& s) { s.shot_noise = NAN; }},
   };
   for (const auto& [text, spoil] : cases) {
     Scene scene;

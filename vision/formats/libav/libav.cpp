@@ -5,7 +5,6 @@
 #include <cstdarg>
 #include <cstdio>
 #include <mutex>
-#include <new>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -27,35 +26,6 @@ void keep_complaint(void*, int level, const char* format, va_list arguments) {
 }
 
 }  // namespace
-
-void LibavDelete::operator()(AVCodecContext* context) const {
-  avcodec_free_context(&context);
-}
-void LibavDelete::operator()(AVFrame* frame) const {
-  av_frame_free(&frame);
-}
-void LibavDelete::operator()(AVPacket* packet) const {
-  av_packet_free(&packet);
-}
-void LibavCloseInput::operator()(AVFormatContext* context) const {
-  avformat_close_input(&context);
-}
-void LibavCloseOutput::operator()(AVFormatContext* context) const {
-  if (context->pb) avio_closep(&context->pb);
-  avformat_free_context(context);
-}
-
-LibavFrame make_libav_frame() {
-  LibavFrame frame(av_frame_alloc());
-  if (!frame) throw std::bad_alloc();
-  return frame;
-}
-
-LibavPacket make_libav_packet() {
-  LibavPacket packet(av_packet_alloc());
-  if (!packet) throw std::bad_alloc();
-  return packet;
-}
 
 void silence_libav() {
   static std::once_flag once;
@@ -97,8 +67,7 @@ bool is_coding_read(const std::string& decoder_name) {
 
 AVFormatContext* contained_input(const Deadline& deadline) {
   limit_memory();
-  AVFormatContext* input = avformat_alloc_context();
-  if (!input) throw std::bad_alloc();
+  AVFormatContext* input = there(avformat_alloc_context());
   av_opt_set(input, "protocol_whitelist", "file", 0);
   av_opt_set(input, "format_whitelist", kContainers, 0);
   av_opt_set(input, "codec_whitelist", kCodings, 0);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 
@@ -21,27 +22,33 @@ namespace tribotrack::vision {
 
 // Ownership, and complaints.
 
+/// By a function of libav's that takes the pointer's address.
+template <auto kFree>
 struct LibavDelete {
-  void operator()(AVCodecContext* context) const;
-  void operator()(AVFrame* frame) const;
-  void operator()(AVPacket* packet) const;
-};
-struct LibavCloseInput {
-  void operator()(AVFormatContext* context) const;
+  template <class Object>
+  void operator()(Object* object) const {
+    kFree(&object);
+  }
 };
 struct LibavCloseOutput {
-  void operator()(AVFormatContext* context) const;
+  void operator()(AVFormatContext* context) const {
+    if (context->pb) avio_closep(&context->pb);
+    avformat_free_context(context);
+  }
 };
 
-using LibavDecoder = std::unique_ptr<AVCodecContext, LibavDelete>;
-using LibavEncoder = std::unique_ptr<AVCodecContext, LibavDelete>;
-using LibavFrame = std::unique_ptr<AVFrame, LibavDelete>;
-using LibavPacket = std::unique_ptr<AVPacket, LibavDelete>;
-using LibavInput = std::unique_ptr<AVFormatContext, LibavCloseInput>;
+using LibavCoder = std::unique_ptr<AVCodecContext, LibavDelete<avcodec_free_context>>;
+using LibavFrame = std::unique_ptr<AVFrame, LibavDelete<av_frame_free>>;
+using LibavPacket = std::unique_ptr<AVPacket, LibavDelete<av_packet_free>>;
+using LibavInput = std::unique_ptr<AVFormatContext, LibavDelete<avformat_close_input>>;
 using LibavOutput = std::unique_ptr<AVFormatContext, LibavCloseOutput>;
 
-LibavFrame make_libav_frame();
-LibavPacket make_libav_packet();
+/// Throws std::bad_alloc instead of a null pointer.
+template <class Object>
+Object* there(Object* object) {
+  if (!object) throw std::bad_alloc();
+  return object;
+}
 
 /// From now on libav prints nothing; the last error it would have printed on this thread is kept instead.
 void silence_libav();

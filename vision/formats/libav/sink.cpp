@@ -204,9 +204,9 @@ class LibavSink : public FrameSink {
   SinkOptions options_;
   TemporaryFile temporary_;
   LibavOutput output_;
-  LibavEncoder encoder_;
-  LibavFrame frame_ = make_libav_frame();
-  LibavPacket packet_ = make_libav_packet();
+  LibavCoder encoder_;
+  LibavFrame frame_{there(av_frame_alloc())};
+  LibavPacket packet_{there(av_packet_alloc())};
   std::int64_t count_ = 0;
 };
 

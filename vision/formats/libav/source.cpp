@@ -493,9 +493,9 @@ class LibavSource : public FrameSource {
 
   Deadline deadline_;  ///< before input_, which asks it
   LibavInput input_;
-  LibavDecoder decoder_;
-  LibavPacket packet_ = make_libav_packet();
-  LibavFrame frame_ = make_libav_frame();
+  LibavCoder decoder_;
+  LibavPacket packet_{there(av_packet_alloc())};
+  LibavFrame frame_{there(av_frame_alloc())};
   int stream_index_ = -1;
   int format_ = -1;
   std::vector<PacketRecord> packets_;  ///< in the order of decoding

@@ -46,20 +46,6 @@ TEST_F(CineHeaderTest, EveryFieldComesOut) {
   EXPECT_EQ(header.image_offsets.size(), 3u);
 }
 
-TEST_F(CineHeaderTest, RowsEndOnWholeWordsWhereTheImagesSizeIsNotStated) {
-  for (const auto& [width, row_bytes] : {std::pair{8, 8}, {7, 8}, {6, 8}, {5, 8}, {9, 12}, {12, 12}}) {
-    CineByHand cine;
-    cine.image_bytes = static_cast<std::uint32_t>(4 * row_bytes);
-    FileBytes bytes = cine.bytes();
-    bytes[0x30] = static_cast<FileBytes::value_type>(width);
-    bytes[0x40] = FileBytes::value_type{0};
-    write_bytes(file("a.cine"), bytes);
-    const CineHeader header = read_cine_header(MappedFile(file("a.cine")));
-    EXPECT_EQ(header.width, width);
-    EXPECT_EQ(header.row_bytes, static_cast<std::uint64_t>(row_bytes)) << width;
-  }
-}
-
 TEST_F(CineHeaderTest, AFieldCountsOnlyInsideTheBlocksLength) {
   CineByHand cine;
   cine.setup_length = 0x300;  // ends just before FrameRateInt
