@@ -280,7 +280,7 @@ void add_track(CLI::App& app, Context& context) {
       ->type_name("TEXT");
   command
       .add_option("--calibration", options->choices.calibration,
-                  "Scale, lens and plane of the platform (`tribotrack help phone-video`)")
+                  "Scale, lens and plane of the platform from `tribotrack calibrate`")
       ->type_name("FILE");
   command
       .add_option("--disc", options->disc,

@@ -134,8 +134,8 @@ CameraSection read_camera(StrictTable& table, const fs::path& folder) {
   read_keys(table, camera_keys(), camera, folder);
   check_camera(table, camera);
   if (camera.calibration && !fs::exists(*camera.calibration))
-    table.fail("calibration", fmt::format("names {}, which is not there; check its name, or make it as "
-                                          "`tribotrack help phone-video` says",
+    table.fail("calibration", fmt::format("names {}, which is not there; check its name, or make it with "
+                                          "`tribotrack calibrate`",
                                           camera.calibration->string()));
   table.finish();
   return camera;
@@ -165,10 +165,62 @@ PartSection read_part(StrictTable& table) {
 
 namespace {
 
+template <class Matrix>
+Json matrix_json(const Matrix& matrix) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(matrix(i, j));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Json pictures_json(const std::vector<vision::PictureResult>& pictures) {
+  Json rows = Json::array();
+  for (const auto& p : pictures)
+    rows.push_back({{"picture", p.name},
+                    {"corners", p.corners},
+                    {"rms_px", p.rms_px},
+                    {"worst_px", p.worst_px},
+                    {"tilt_rad", p.tilt_rad}});
+  return rows;
+}
+
+}  // namespace
+
+Json calibration_json(const vision::CalibrationResult& result) {
+  const vision::CameraCalibration& c = result.calibration;
+  const vision::LensModel& lens = c.lens;
+  return {
+      {"schema", "tribotrack calibration 1"},
+      {"width_px", c.width},
+      {"height_px", c.height},
+      {"mm_per_px", c.mm_per_px},
+      {"mm_per_px_sd", c.mm_per_px_sd},
+      {"distance_mm", c.distance_mm()},
+      {"camera_matrix", Json::array({{lens.fx, 0.0, lens.cx}, {0.0, lens.fy, lens.cy}, {0.0, 0.0, 1.0}})},
+      {"distortion", {{"k1", lens.k1}, {"k2", lens.k2}, {"p1", lens.p1}, {"p2", lens.p2}, {"k3", lens.k3}}},
+      {"model", result.model},
+      {"models_tried", result.tried},
+      {"plane",
+       {{"rotation", matrix_json(c.plane.rotation)},
+        {"translation_mm", {c.plane.translation.x(), c.plane.translation.y(), c.plane.translation.z()}},
+        {"homography_from_undistorted_px", matrix_json(vision::plane_homography(c))}}},
+      {"rms_px", result.rms_px},
+      {"pictures", pictures_json(result.pictures)},
+      {"left_out", result.left_out},
+      {"covariance_of", result.covariance_of},
+      {"covariance", matrix_json(result.covariance)}};
+}
+
+namespace {
+
 vision::CameraCalibration calibration_from(const JsonPlace& json) {
   vision::CameraCalibration c;
   c.width = json.at("width_px").integer();
   c.height = json.at("height_px").integer();
+  c.mm_per_px = json.at("mm_per_px").number();
   c.mm_per_px_sd = json.at("mm_per_px_sd").number();
   const JsonPlace camera = json.at("camera_matrix");
   c.lens.fx = camera.at(0).at(0).number();
@@ -199,24 +251,20 @@ vision::CameraCalibration calibration_from(const JsonPlace& json) {
 }  // namespace
 
 vision::CameraCalibration read_calibration(const std::filesystem::path& path) {
-  const auto refuse = [&](const std::string& reason) {
-    throw InvalidInput(
-        fmt::format("{}: is no calibration: {}; `tribotrack help phone-video` shows what it holds",
-                    path.string(), reason));
-  };
   const Json json = read_json(path);
   vision::CameraCalibration c;
   try {
     c = calibration_from({json, ""});
-    if (!(c.lens.fx > 0 && c.lens.fy > 0 && c.width > 0 && c.height > 0 && c.distance_mm() > 0))
-      refuse("its sizes must be greater than 0");
-    c.plane = vision::turned_to_picture(c);
-    c.mm_per_px = vision::scale_in_the_middle(c);
   } catch (const WrongContent& error) {
-    refuse(error.what());
-  } catch (const std::domain_error&) {
-    refuse("its distortion folds the picture over");
+    throw InvalidInput(fmt::format("{}: is no calibration: {}; make one with `tribotrack calibrate`",
+                                   path.string(), error.what()));
   }
+  if (!(c.lens.fx > 0 && c.lens.fy > 0 && c.mm_per_px > 0 && c.width > 0 && c.height > 0 &&
+        c.distance_mm() > 0))
+    throw InvalidInput(
+        fmt::format("{}: is no calibration: its sizes must be greater than 0; make a new one with "
+                    "`tribotrack calibrate`",
+                    path.string()));
   return c;
 }
 

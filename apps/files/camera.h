@@ -86,10 +86,12 @@ std::optional<vision::Target> read_template(StrictTable& table);
 /// [x, y, radius] or [x, y, width, height].
 vision::Target read_place(StrictTable& table, const char* key);
 
-// calibration.json: a calibrated camera.
+// calibration.json: what `calibrate` found out about a camera.
 
-/// Its pose is turned so that x points right and y up in the picture. Throws InvalidInput naming the file and
-/// the key that is missing or wrong.
+/// Camera matrix, distortion, the platform's plane and its homography, scale, table of pictures, covariance.
+Json calibration_json(const vision::CalibrationResult& result);
+
+/// What tracking needs of it. Throws InvalidInput naming the file and the key that is missing or wrong.
 vision::CameraCalibration read_calibration(const std::filesystem::path& path);
 
 }  // namespace tribotrack::apps

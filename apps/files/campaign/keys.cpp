@@ -90,7 +90,7 @@ const Keys<CameraSection>& camera_keys() {
       {"tag_mm_sd", Kind::sd, at<&C::tag_mm_sd>, "0.02", "as printed"},
       {"mm_per_px_sd", Kind::not_negative, at<&C::mm_per_px_sd>, "0.00002"},
       {"calibration", Kind::file, at<&C::calibration>, "\"calibration.json\"",
-       "lens, plane and scale (`tribotrack help phone-video`), instead of mm_per_px"},
+       "by `tribotrack calibrate`, instead of mm_per_px"},
       {"working_distance_mm", Kind::above_zero, at<&C::working_distance_mm>, "100.0",
        "from lens to platform"},
       {"working_distance_mm_sd", Kind::sd, at<&C::working_distance_sd_mm>, "1.0"},

@@ -16,9 +16,9 @@ using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 using Json = nlohmann::json;
 
-const std::vector<std::string> kCommands = {"simulate", "sweep", "synth",  "probe", "track",
-                                            "measure",  "fit",   "report", "run",   "bench",
-                                            "init",     "watch", "open",   "paper"};
+const std::vector<std::string> kCommands = {"simulate",  "sweep",   "synth", "probe",  "track",
+                                            "calibrate", "measure", "fit",   "report", "run",
+                                            "bench",     "init",    "watch", "open",   "paper"};
 
 class Commands : public ProgramTest {};
 
