@@ -78,20 +78,18 @@ std::int64_t frame_number(const std::string& flag, const std::string& text) {
 
 void set_frames(TrackChoices& choices, const std::string& text) {
   const auto parts = split(text, ':');
-  const auto number = [&](const std::string& part) -> std::optional<std::int64_t> {
-    if (part.empty()) return std::nullopt;
-    const auto value = parse_number(part);
-    if (!value || *value != std::floor(*value))
-      throw UsageError(fmt::format(
-          "--frames must read A:B or A:B:STEP in the recording's own image numbers (each may be empty), not "
-          "\"{}\"",
-          text));
-    return static_cast<std::int64_t>(*value);
+  if (parts.size() != 2 && parts.size() != 3)
+    throw UsageError(fmt::format(
+        "--frames must read A:B or A:B:STEP in the recording's own image numbers (each may be empty), not "
+        "\"{}\"",
+        text));
+  const auto number = [&](std::size_t k) {
+    const bool there = k < parts.size() && !parts[k].empty();
+    return there ? std::optional(frame_number("--frames", parts[k])) : std::nullopt;
   };
-  if (parts.size() != 2 && parts.size() != 3) number("x");
-  choices.first_frame = number(parts[0]);
-  choices.last_frame = number(parts[1]);
-  if (parts.size() == 3) choices.frame_step = number(parts[2]);
+  choices.first_frame = number(0);
+  choices.last_frame = number(1);
+  choices.frame_step = number(2);
 }
 
 TrackChoices choices_of(const TrackCommandOptions& options) {

@@ -153,11 +153,6 @@ void check_part(const StrictTable& table, const PartSection& part) {
 PartSection read_part(StrictTable& table) {
   PartSection part;
   read_keys(table, part_keys(), part);
-  if (table.has("diameter_sd_mm") && table.has("diameter_mm_sd"))
-    table.fail("diameter_sd_mm", "and `diameter_mm_sd` mean the same; give one of them");
-  if (part.diameter_sd_mm > 0 && !part.diameter_mm)
-    table.fail("diameter_sd_mm",
-               "is the sd of `diameter_mm`, which is not given here: give both, or neither");
   check_part(table, part);
   table.finish();
   return part;

@@ -83,7 +83,7 @@ void read_fit(const Hostile& fit) {
                    R"({"program": "tribotrack", "version": "0.1.0", "schema": 1, "command": "run",
           "inputs": [{"path": "c/campaign.toml", "xxh3_128": "00"}],
           "configuration": {"platform": {"amplitude_mm": 0.28, "amplitude_mm_sd": 0.01},
-            "part": {"diameter_mm": 6.0, "diameter_sd_mm": 0}, "fit": {"fixed": {"mu2": 0.1}},
+            "part": {"diameter_mm": 6.0, "diameter_mm_sd": 0}, "fit": {"fixed": {"mu2": 0.1}},
             "runs": [{"alpha_rad": 1, "alpha_sd_rad": 0.01, "v_mm_s": 2, "v_sd_mm_s": 0.1, "cycles": 20},
                      {"alpha_rad": 2, "alpha_sd_rad": 0.01, "v_mm_s": 3, "v_sd_mm_s": 0.1, "cycles": 20},
                      {"alpha_rad": 3, "alpha_sd_rad": 0.01, "v_mm_s": 4, "v_sd_mm_s": 0.1, "cycles": 20}]}})");

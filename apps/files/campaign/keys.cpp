@@ -63,8 +63,6 @@ const Keys<PartSection>& part_keys() {
       {"diameter_mm", Kind::above_zero, at<&P::diameter_mm>, "6.0",
        "sets the scale, unless mm_per_px or a calibration does"},
       {"diameter_mm_sd", Kind::sd, at<&P::diameter_sd_mm>, "0.005", "by a caliper"},
-      {"diameter_sd_mm", Kind::not_negative, at<&P::diameter_sd_mm>, "0.005",
-       "earlier name of diameter_mm_sd"},
       {"chamfer_mm", Kind::not_negative, at<&P::chamfer_mm>, "0.1",
        "width of its chamfer seen from above, 0 for a sharp edge: without it a diameter gives the scale to 1 "
        "to "

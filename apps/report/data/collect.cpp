@@ -56,7 +56,7 @@ std::string part_text(const JsonPlace& configuration) {
 }
 
 bool is_sd(const std::string& name) {
-  return name.ends_with("_sd") || name == "diameter_sd_mm";
+  return name.ends_with("_sd");
 }
 
 /// What is neither fitted nor pooled stands beside the pooled conditions as it was given.
@@ -74,7 +74,7 @@ void add_given(const JsonPlace& configuration, ReportData& data) {
     if (const auto found = configuration.find(section))
       for (const auto& [name, value] : found->object().value.items()) {
         if (!value.is_number() || fitted(name) || is_sd(name)) continue;
-        const double sd = number_at(*found, name == "diameter_mm" ? "diameter_sd_mm" : name + "_sd");
+        const double sd = number_at(*found, name + "_sd");
         add(name, value.get<double>(),
             sd > 0 ? fmt::format("campaign, sd {:.3g}", sd) : "campaign, no sd given");
       }

@@ -174,8 +174,6 @@ TEST_F(CampaignTest, AnSdWithoutUseIsRefused) {
               HasSubstr("needs working_distance_mm"));
   EXPECT_THAT(complaint("[camera]\nworking_distance_mm = 100\nworking_distance_mm_sd = 1\n" + kRun),
               HasSubstr("needs height_mm"));
-  EXPECT_THAT(complaint("[part]\ndiameter_mm = 6\ndiameter_mm_sd = 0.1\ndiameter_sd_mm = 0.1\n" + kRun),
-              HasSubstr("mean the same"));
   EXPECT_THAT(complaint(kRun + "phase_at_zero_rad = 0\nphase_at_zero_rad_sd = 0.1\n"),
               HasSubstr("with a video"));
   EXPECT_THAT(complaint("[platform]\ntilt_x_rad = 0\ntilt_x_rad_sd = 0.001\n[fit]\nparameters = [\"mu1\", "
