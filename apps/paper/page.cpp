@@ -37,16 +37,14 @@ std::string anchor_of(const Claim& claim, const Paper& paper) {
 }
 
 std::string claim_table(const Paper& paper) {
-  std::string html =
-      "<div class=\"wide\"><table id=\"claims\" class=\"compact claims\"><thead><tr><th "
-      "class=\"n\">Figure</th><th>Claim</th><th>Verdict</th><th>What we find</th></tr></thead><tbody>\n";
+  std::string rows;
   for (const Claim& claim : paper.claims)
-    html += fmt::format(
+    rows += fmt::format(
         "<tr><td class=\"n\"><a href=\"#figure{0}\">{0}</a></td><td><a href=\"#{1}\">{2}</a></td><td "
         "class=\"judged {3}\">{4}</td><td data-v=\"{5}\">{6}</td></tr>\n",
         claim.figure, anchor_of(claim, paper), sentence_html(claim.name), style_of(claim.verdict),
         to_string(claim.verdict), fmt::format("{}", claim.value), deciding_html(claim));
-  return html + "</tbody></table></div>\n";
+  return table("claims", "compact claims", {">Figure", "Claim", "Verdict", "What we find"}, rows);
 }
 
 std::string first_screen(const Paper& paper) {

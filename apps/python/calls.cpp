@@ -42,13 +42,23 @@ std::string shown(const Json& value) {
   return value.is_string() ? "'" + value.get<std::string>() + "'" : value.dump();
 }
 
+/// None is a key that is not there.
+void drop_none(Json& json) {
+  for (auto item = json.begin(); json.is_structured() && item != json.end();) {
+    if (json.is_object() && item->is_null()) {
+      item = json.erase(item);
+    } else {
+      drop_none(*item);
+      ++item;
+    }
+  }
+}
+
 }  // namespace
 
-Options::Options(const std::string& json)
-    // None is a key that is not there, but for an end of `frames`, which lies two deep.
-    : values_(Json::parse(json, [](int depth, Json::parse_event_t event, const Json& value) {
-        return event != Json::parse_event_t::value || !value.is_null() || depth == 2;
-      })) {}
+Options::Options(const std::string& json) : values_(Json::parse(json)) {
+  drop_none(values_);
+}
 
 const Json* Options::find(const std::string& name) const {
   const auto found = values_.find(name);

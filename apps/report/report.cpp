@@ -151,15 +151,14 @@ PageSection provenance_section(const ReportData& data) {
           ". Figures drawn with plotly.js (MIT licence), which is part of this page; the page fetches "
           "nothing.</p>\n";
   if (!data.inputs.empty()) {
-    html +=
-        "<details class=\"print\"><summary>Inputs and their hashes</summary>\n<table id=\"inputs\" "
-        "class=\"compact\"><thead><tr><th>File</th><th>Hash</th></tr></thead><tbody>";
+    std::string rows;
     for (const Input& input : data.inputs)
-      html += "<tr>" + cell(escape_html(input.path.filename().string())) +
+      rows += "<tr>" + cell(escape_html(input.path.filename().string())) +
               cell("<code>xxh3-128:" + escape_html(input.xxh3_128) + "</code>" +
                    (input.hashed.empty() ? "" : ", " + escape_html(input.hashed))) +
               "</tr>";
-    html += "</tbody></table></details>\n";
+    html += "<details class=\"print\"><summary>Inputs and their hashes</summary>\n" +
+            table("inputs", "compact", {"File", "Hash"}, rows) + "</details>\n";
   }
   if (!data.configuration.empty())
     html += "<details class=\"screen-only\"><summary>Effective configuration</summary>\n<pre>" +
