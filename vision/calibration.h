@@ -98,22 +98,18 @@ struct CalibrationPicture {
 struct PictureResult {
   std::string name;
   int corners = 0;
-  double rms_px = 0;  ///< reprojection, per corner
-  double worst_px = 0;
+  double rms_px = 0;    ///< reprojection, per corner
   double tilt_rad = 0;  ///< between the board and the picture plane
 };
 
 struct CalibrationResult {
   CameraCalibration calibration;
-  std::string model;                    ///< the lens terms kept: "focal length", "k1", ...
-  std::vector<std::string> tried;       ///< each model with its rms and its criterion
-  double rms_px = 0;                    ///< over all corners
+  std::string model;               ///< the lens terms kept: "focal length", "k1", ...
+  std::vector<std::string> tried;  ///< each model with its rms and its criterion
+  double rms_px = 0;               ///< over all corners
+  double focal_sd_px = 0;
   std::vector<PictureResult> pictures;  ///< the plane's first
   std::vector<std::string> left_out;    ///< pictures without a board, each with the reason
-  /// Of the parameters named, in this order: fx, fy, cx, cy, lens terms kept, and the plane's rotation
-  /// (Rodrigues) and translation.
-  std::vector<std::string> covariance_of;
-  Eigen::MatrixXd covariance;
 };
 
 /// `plane` shows the board lying on the platform; `pictures` at least three others that show it tilted.

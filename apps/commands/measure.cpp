@@ -169,13 +169,12 @@ void print_table(const vision::CalibrationResult& result) {
   const auto& c = result.calibration;
   print("{} x {} pixels, {} mm/px on the platform, {:.1f} mm from the lens's pupil\n", c.width, c.height,
         quoted(c.mm_per_px, c.mm_per_px_sd), c.distance_mm());
-  print("focal length {:.1f} x {:.1f} px, middle ({:.1f}, {:.1f}) px, lens terms: {}\n", c.lens.fx, c.lens.fy,
-        c.lens.cx, c.lens.cy, result.model);
-  print("reprojection rms {:.4f} px\n\n{:>8} {:>9} {:>9} {:>9}  picture\n", result.rms_px, "corners",
-        "rms px", "worst px", "tilt deg");
+  print("focal length {:.1f} x {:.1f} px, sd {:.2g}, middle ({:.1f}, {:.1f}) px, lens terms: {}\n", c.lens.fx,
+        c.lens.fy, result.focal_sd_px, c.lens.cx, c.lens.cy, result.model);
+  print("reprojection rms {:.4f} px\n\n{:>8} {:>9} {:>9}  picture\n", result.rms_px, "corners", "rms px",
+        "tilt deg");
   for (const auto& p : result.pictures)
-    print("{:>8} {:>9.4f} {:>9.4f} {:>9.1f}  {}\n", p.corners, p.rms_px, p.worst_px,
-          p.tilt_rad * 180 / std::numbers::pi, p.name);
+    print("{:>8} {:>9.4f} {:>9.1f}  {}\n", p.corners, p.rms_px, p.tilt_rad * 180 / std::numbers::pi, p.name);
 }
 
 void calibrate_command(const CalibrateOptions& options, Context& context) {

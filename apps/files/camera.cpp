@@ -160,8 +160,7 @@ PartSection read_part(StrictTable& table) {
 
 namespace {
 
-template <class Matrix>
-Json matrix_json(const Matrix& matrix) {
+Json matrix_json(const Eigen::Matrix3d& matrix) {
   Json rows = Json::array();
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
     Json row = Json::array();
@@ -174,11 +173,8 @@ Json matrix_json(const Matrix& matrix) {
 Json pictures_json(const std::vector<vision::PictureResult>& pictures) {
   Json rows = Json::array();
   for (const auto& p : pictures)
-    rows.push_back({{"picture", p.name},
-                    {"corners", p.corners},
-                    {"rms_px", p.rms_px},
-                    {"worst_px", p.worst_px},
-                    {"tilt_rad", p.tilt_rad}});
+    rows.push_back(
+        {{"picture", p.name}, {"corners", p.corners}, {"rms_px", p.rms_px}, {"tilt_rad", p.tilt_rad}});
   return rows;
 }
 
@@ -196,6 +192,7 @@ Json calibration_json(const vision::CalibrationResult& result) {
       {"distance_mm", c.distance_mm()},
       {"camera_matrix", Json::array({{lens.fx, 0.0, lens.cx}, {0.0, lens.fy, lens.cy}, {0.0, 0.0, 1.0}})},
       {"distortion", {{"k1", lens.k1}, {"k2", lens.k2}, {"p1", lens.p1}, {"p2", lens.p2}, {"k3", lens.k3}}},
+      {"focal_sd_px", result.focal_sd_px},
       {"model", result.model},
       {"models_tried", result.tried},
       {"plane",
@@ -204,9 +201,7 @@ Json calibration_json(const vision::CalibrationResult& result) {
         {"homography_from_undistorted_px", matrix_json(vision::plane_homography(c))}}},
       {"rms_px", result.rms_px},
       {"pictures", pictures_json(result.pictures)},
-      {"left_out", result.left_out},
-      {"covariance_of", result.covariance_of},
-      {"covariance", matrix_json(result.covariance)}};
+      {"left_out", result.left_out}};
 }
 
 namespace {
