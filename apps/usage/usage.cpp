@@ -86,7 +86,7 @@ const std::vector<Left>& all_that_left() {
        "`bench coverage` runs whole, on all cores; `--campaigns N` says how many"},
       {"bench",
        {"--frames", "--diameters", "--keep", "--full"},
-       "`track --explain` tells the time of each stage"},
+       "`bench vision` times whole commands on recordings of its own"},
       {"bench", {"--figures"}, "bench.html saves each figure as SVG, and its numbers as CSV"},
       {"paper", {"--figures"}, "paper.html saves each figure as SVG, and its numbers as CSV"},
   };
