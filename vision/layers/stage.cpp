@@ -173,8 +173,7 @@ void LayeredPass::take_centre_of_rim() {
 void LayeredPass::show() {
   if (!options_.debug) return;
   const auto running = clock_.enter(Stage::debug_pictures);
-  registration_.set_part(learnt_.part, static_cast<double>(kept_.size()));
-  show_layers(learnt_.part, ground_, registration_.chosen(), *options_.debug);
+  show_layers(learnt_.part, ground_, *options_.debug);
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     const auto shown = std::ranges::find(shown_, frames_[k].index, &ShownFrame::index);
     const auto& fix = measured_.fixes[k];
