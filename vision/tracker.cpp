@@ -236,10 +236,7 @@ void Tracking::measure_radius() {
   summary.outer_radius = summary.disc.radius;
   summary.outer_radius_sd = summary.disc_radius_sd;
   if (!(summary.disc_blur > 0)) return;
-  std::vector<FirstPassFrame> seen;
-  for (std::size_t k = 0; k < result_.track.points.size(); ++k)
-    if (const TrackPoint& p = result_.track.points[k]; p.status == TrackStatus::ok)
-      seen.push_back({start_ + static_cast<std::int64_t>(k), {p.x, p.y}, {}});
+  const std::vector<FirstPassFrame> seen = seen_frames(result_.track, start_).frames;
   double common_sd = 0;
   if (const auto mean = seen_edge(frames(), seen, summary.disc.radius)) {
     summary.disc.radius = mean->circle.radius;

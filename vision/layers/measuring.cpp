@@ -169,8 +169,7 @@ Picture predicted(const PartPictures& part, const GroundPicture& ground, const L
 
 }  // namespace
 
-void show_layers(const PartPictures& part, const GroundPicture& ground, const Picture& chosen,
-                 DebugSink& sink) {
+void show_layers(const PartPictures& part, const GroundPicture& ground, DebugSink& sink) {
   const double half = part.half;
   const Rect& region = ground.region();
   const auto on_part = [&](const char* name, const char* title, Picture levels, const char* unit) {
@@ -185,7 +184,6 @@ void show_layers(const PartPictures& part, const GroundPicture& ground, const Pi
   on_part("layers_share", "share of the ground that shows", part.share, "share");
   on_part("layers_part_sd", "standard deviation left unexplained", square_roots(part.variance),
           "grey levels");
-  on_part("layers_weights", "pixels about the part that are used", chosen, "weight");
   sink.show(StagePicture{.name = "layers_ground",
                          .title = "the background learnt (the platform)",
                          .levels = ground_levels(ground),

@@ -31,10 +31,9 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
 
 // Pictures of the learnt layers for debugging.
 
-/// Part, share of the ground, standard deviation that is left, pixels used (`chosen`), ground and its
+/// Part, share of the ground, standard deviation that is left, ground and its
 /// standard deviation.
-void show_layers(const PartPictures& part, const GroundPicture& ground, const Picture& chosen,
-                 DebugSink& sink);
+void show_layers(const PartPictures& part, const GroundPicture& ground, DebugSink& sink);
 
 /// Prediction and residual of a frame in its measured state; reads it again.
 void show_layered_frame(const PartPictures& part, const GroundPicture& ground, const LayeredState& state,

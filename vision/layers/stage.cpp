@@ -75,31 +75,6 @@ std::optional<PlanStage> reason_against(const FirstPassResult& first, const Trac
   return stage;
 }
 
-/// The frames in which the part, and the marker where there is one, were found.
-struct SeenFrames {
-  std::vector<FirstPassFrame> frames;
-  std::vector<std::size_t> places;  ///< in the track
-};
-
-SeenFrames seen_frames(const Track& track, const FirstPassResult& first) {
-  SeenFrames seen;
-  const MarkerPoint* origin = nullptr;
-  for (std::size_t k = 0; k < track.points.size(); ++k) {
-    const TrackPoint& p = track.points[k];
-    if (p.status != TrackStatus::ok || (track.has_marker && !p.marker)) continue;
-    FirstPassFrame f;
-    f.index = first.first_index + static_cast<std::int64_t>(k);
-    f.centre = {p.x, p.y};
-    if (p.marker) {
-      if (!origin) origin = &*p.marker;
-      f.ground = {p.marker->x - origin->x, p.marker->y - origin->y};
-    }
-    seen.frames.push_back(f);
-    seen.places.push_back(k);
-  }
-  return seen;
-}
-
 class LayeredPass {
  public:
   LayeredPass(FrameSource& source, const std::vector<FirstPassFrame>& frames, const FirstPassResult& first,
@@ -198,8 +173,7 @@ void LayeredPass::take_centre_of_rim() {
 void LayeredPass::show() {
   if (!options_.debug) return;
   const auto running = clock_.enter(Stage::debug_pictures);
-  registration_.set_part(learnt_.part, static_cast<double>(kept_.size()));
-  show_layers(learnt_.part, ground_, registration_.chosen(), *options_.debug);
+  show_layers(learnt_.part, ground_, *options_.debug);
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     const auto shown = std::ranges::find(shown_, frames_[k].index, &ShownFrame::index);
     const auto& fix = measured_.fixes[k];
@@ -324,7 +298,7 @@ LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, 
     outcome.plan.push_back(std::move(*reason));
     return outcome;
   }
-  const SeenFrames seen = seen_frames(track, first);
+  const SeenFrames seen = seen_frames(track, first.first_index, true);
   if (seen.frames.size() < kFewest)
     return left_out("too few frames to learn the layers from; " + finding(first));
   LayeredPass pass(source, seen.frames, first, options, shown, clock);

@@ -142,21 +142,6 @@ Ground mean_of(const std::vector<Placed>& frames, const Rect& place, const Groun
   return ground;
 }
 
-/// Mean over frames of N^(-1/2) S N^(-1/2), see GroundRegistration.
-class Excess {
- public:
-  void add(const GroundRegistration& r) {
-    const Eigen::Matrix2d root = inverse_root(r.normal());
-    sum_ += root * r.scatter() * root;
-    ++count_;
-  }
-  Eigen::Matrix2d mean() const { return count_ > 0 ? Eigen::Matrix2d(sum_ / count_) : sum_; }
-
- private:
-  Eigen::Matrix2d sum_ = Eigen::Matrix2d::Zero();
-  double count_ = 0;
-};
-
 /// In turn the mean of all and each frame's place in it. A frame's own noise in the mean holds it where it
 /// was taken to lie: rounds go on until that no longer matters.
 class Learning {
@@ -171,7 +156,7 @@ class Learning {
   /// How far the frames have moved against each other, sd rms.
   double round() {
     GroundRegistration registration(ground_);
-    excess_ = {};
+    excess_.setZero();
     std::vector<Placed> placed;
     std::vector<Eigen::Vector2d> moves;
     std::vector<Eigen::Matrix2d> normals;
@@ -181,7 +166,8 @@ class Learning {
       fixes_[k] = registration.refine(frames_[k], from);
       if (!fixes_[k]) continue;
       const Point to = fixes_[k]->displacement;
-      excess_.add(registration);
+      const Eigen::Matrix2d root = inverse_root(registration.normal());
+      excess_ += root * registration.scatter() * root;
       placed.push_back({&frames_[k], to, fixes_[k]->gain, fixes_[k]->offset});
       moves.emplace_back(to.x - from.x, to.y - from.y);
       normals.push_back(registration.normal());
@@ -189,6 +175,7 @@ class Learning {
     }
     placed_ = std::move(placed);
     if (moves.empty()) return 0;
+    excess_ /= static_cast<double>(moves.size());
     ground_ = mean_of(placed_, place_, &ground_, noise_variance_);
     common /= static_cast<double>(moves.size());  // it moves the grid
     double squares = 0;
@@ -204,7 +191,7 @@ class Learning {
 
   void finish(LearntGround& out) {
     out.texture = GroundRegistration(ground_).texture();
-    out.excess = excess_.mean();
+    out.excess = excess_;
     std::vector<double> scores;
     for (const auto& fix : fixes_)
       if (fix) scores.push_back(fix->score);
@@ -220,7 +207,7 @@ class Learning {
   std::vector<Placed> placed_;  ///< those that could be registered
   std::vector<std::optional<GroundFix>> fixes_;
   Ground ground_;
-  Excess excess_;
+  Eigen::Matrix2d excess_ = Eigen::Matrix2d::Zero();  ///< mean of N^(-1/2) S N^(-1/2), see GroundRegistration
 };
 
 }  // namespace

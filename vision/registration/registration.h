@@ -82,9 +82,6 @@ class TemplateRegistration {
 
   /// Template grey levels at a pose, on a window of the camera.
   Picture at(const Pose& pose, const Rect& window) const;
-  /// On the pattern's window: 1 where a pixel takes part, else 0.
-  Picture chosen() const;
-
   /// Cramer-Rao bound of (dx, dy) for the template itself, px^2.
   Eigen::Matrix2d limit() const { return limit_; }
   /// Same for the rotation alone, see pattern.h.

@@ -140,17 +140,6 @@ Picture TemplateRegistration::at(const Pose& pose, const Rect& window) const {
   return out;
 }
 
-Picture TemplateRegistration::chosen() const {
-  Picture out(pattern_.window.width, pattern_.window.height);
-  for (std::size_t t = 0; t < places_.size(); ++t)
-    for (std::size_t k = 0; k < kTilePixels; ++k) {
-      const int x = places_[t].x + static_cast<int>(k % kTile),
-                y = places_[t].y + static_cast<int>(k / kTile);
-      if (mask_[t * kTilePixels + k] > 0) out.at(x, y) = 1;
-    }
-  return out;
-}
-
 // TemplateRegistration, picture: grey levels and weights under the template at a pose.
 
 /// Grey levels under the tiles moved by whole pixels; weight 0 outside the picture. False where less than

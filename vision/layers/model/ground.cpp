@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
@@ -78,25 +76,13 @@ void GroundPicture::add(const Picture& picture, int x, int y, const Point& displ
   float* sums = sum_.levels().data();
   float* squares = squares_.levels().data();
   float* counts = count_.levels().data();
-  double here = 0;
-  double before = 0;
+  double here = 0, before = 0;
   uncovered([&](const float* row, int from, int to, std::size_t at) {
-    // Eight sums beside each other, which the compiler takes at once.
-    float level[8] = {}, mean[8] = {};
-    int i = from;
-    for (; i + 8 <= to; i += 8)
-      for (int k = 0; k < 8; ++k) {
-        const float n = counts[at + i + k];
-        level[k] += n > 0 ? row[i + k] : 0.0F;
-        mean[k] += sums[at + i + k] / std::max(n, 1.0F);
+    for (int i = from; i < to; ++i)
+      if (const float n = counts[at + static_cast<std::size_t>(i)]; n > 0) {
+        here += static_cast<double>(row[i]);
+        before += static_cast<double>(sums[at + static_cast<std::size_t>(i)] / n);
       }
-    for (; i < to; ++i) {
-      const float n = counts[at + i];
-      level[0] += n > 0 ? row[i] : 0.0F;
-      mean[0] += sums[at + i] / std::max(n, 1.0F);
-    }
-    here += std::accumulate(std::begin(level), std::end(level), 0.0F);
-    before += std::accumulate(std::begin(mean), std::end(mean), 0.0F);
   });
   const auto light = static_cast<float>(here > 0 && before > 0 ? before / here : 1);
   uncovered([&](const float* row, int from, int to, std::size_t at) {

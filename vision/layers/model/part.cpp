@@ -1,11 +1,13 @@
 #include "vision/layers/model/part.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 #include <vector>
 
 #include "vision/kernels/parallel.h"
@@ -14,11 +16,16 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr double kTrim = 5;          ///< sd: further off is something else
-constexpr double kPriorShare = 0.2;  ///< sd of alpha about the blurred rim: a shadow takes a tenth or two
-constexpr float kInside = 1e-3F;     ///< share of the ground: less is inside the rim's blur
-constexpr double kOpaque = 1e-3;     ///< sd of alpha there
-constexpr double kMostShare = 1.1;   ///< a chamfer lights the ground beside it up by no more
+constexpr double kTrim = 5;  ///< sd: further off is something else
+/// Sd of alpha along a ring about the blurred rim: a shadow takes a tenth or two.
+constexpr double kShadow = 0.2;
+/// And of a place about what its ring says: an even shadow has none, a place's own estimate scatters by more.
+constexpr double kPriorShare = 0.05;
+/// Of the ground's mean level: what the model of the light may leave, alike in all windows and all around.
+constexpr double kUnevenLight = 0.002;
+constexpr float kInside = 1e-3F;    ///< share of the ground: less is inside the rim's blur
+constexpr double kOpaque = 1e-3;    ///< sd of alpha there
+constexpr double kMostShare = 1.1;  ///< a chamfer lights the ground beside it up by no more
 constexpr double kBlendEvidence =
     100;                          ///< px^-4: sd of kappa 0.1 px^2 about that of a pixel, as lenses have it
 constexpr double kMostBlend = 9;  ///< px^2
@@ -140,6 +147,62 @@ SumPictures sums_over(WindowSpan windows, const PartPictures& before, const Grou
   return sums;
 }
 
+using Waves = Eigen::Matrix<double, 5, 1>;
+
+/// Calls act(place, ring below, share of the ring above, 1, cos phi, sin phi, cos 2 phi, sin 2 phi).
+template <class Act>
+void for_each_place(int size, const Act& act) {
+  for (int j = 0, at = 0; j < size; ++j)
+    for (int i = 0; i < size; ++i, ++at) {
+      const double u = i - size / 2, v = j - size / 2, rho = std::hypot(u, v), phi = std::atan2(v, u);
+      const Waves waves{1, std::cos(phi), std::sin(phi), std::cos(2 * phi), std::sin(2 * phi)};
+      act(static_cast<std::size_t>(at), static_cast<std::size_t>(rho), rho - std::floor(rho), waves);
+    }
+}
+
+/// alpha as what each place says of it, F being free, is smooth along the rings about the centre, a pixel
+/// wide and linear between: the blurred rim is, and a shadow. Waves are 0 but for chance beforehand, so that
+/// rings of which little is known stay flat.
+Picture share_of_rings(const SumPictures& sums, double mean_ground, double noise_variance,
+                       const Picture& prior_share) {
+  struct Ring {
+    Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
+    Waves right = Waves::Zero();
+    double windows = 0;
+  };
+  std::vector<Ring> rings(static_cast<std::size_t>(prior_share.width()) + 2);
+  for_each_place(
+      prior_share.width(), [&](std::size_t i, std::size_t below, double above, const Waves& waves) {
+        const auto at = [&](Sum sum) { return static_cast<double>(sums[sum].levels()[i]); };
+        const double prior = prior_share.levels()[i], aa = at(kAA), ah = at(kAH);
+        const double information = at(kHH) - ah * ah / aa;
+        const bool tells = !(at(kCount) < kFewest) && prior >= kInside && information > 0;
+        const double off = tells ? (at(kHY) - ah * at(kAY) / aa) / information - prior : 0;
+        for (const auto& [ring, share] : {std::pair{below, 1 - above}, std::pair{below + 1, above}}) {
+          rings[ring].windows += share * at(kCount);
+          if (!tells) continue;
+          const double weight = share * information / noise_variance;
+          rings[ring].normal += weight * waves * waves.transpose();
+          rings[ring].right += weight * off * waves;
+        }
+      });
+  // A ring's places lean on the same light: no number of them averages out what its model leaves.
+  const double most = noise_variance / std::pow(kUnevenLight * mean_ground, 2);
+  std::vector<Waves> fitted;
+  for (const Ring& ring : rings) {
+    const double share = std::min(1.0, most / std::max(ring.windows, 1e-9));
+    const Eigen::Matrix<double, 5, 5> normal =
+        share * ring.normal + Eigen::Matrix<double, 5, 5>::Identity() / (kShadow * kShadow);
+    fitted.push_back(normal.ldlt().solve(share * ring.right));
+  }
+  Picture out = prior_share;
+  for_each_place(out.width(), [&](std::size_t i, std::size_t below, double above, const Waves& waves) {
+    out.levels()[i] +=
+        static_cast<float>(((1 - above) * fitted[below] + above * fitted[below + 1]).dot(waves));
+  });
+  return out;
+}
+
 }  // namespace
 
 Picture blurred_rim(int half, double radius, double blur) {
@@ -158,6 +221,7 @@ PartPictures learn_pictures(const PartPictures& before, const GroundPicture& gro
   const SumPictures sums =
       sums_over(windows, before, ground, trim ? kTrim : std::numeric_limits<double>::infinity(), threads);
   const auto at = [&](Sum sum, std::size_t i) { return static_cast<double>(sums[sum].levels()[i]); };
+  const Picture smooth_share = share_of_rings(sums, ground.mean(), noise_variance, prior_share);
   PartPictures out = before;
   double widest = noise_variance;
   std::vector<std::size_t> unseen;
@@ -175,7 +239,7 @@ PartPictures learn_pictures(const PartPictures& before, const GroundPicture& gro
     const double ay = at(kAY, i), hy = at(kHY, i), yy = at(kYY, i);
     const double prior =
         noise_variance / std::pow(prior_share.levels()[i] < kInside ? kOpaque : kPriorShare, 2);
-    const double held = hh + prior, pulled = hy + prior * prior_share.levels()[i];
+    const double held = hh + prior, pulled = hy + prior * smooth_share.levels()[i];
     const double det = aa * held - ah * ah;
     const double level = (held * ay - ah * pulled) / det, share = (aa * pulled - ah * ay) / det;
     const double squares = yy - 2 * level * ay - 2 * share * hy + level * level * aa +

@@ -55,8 +55,8 @@ void LayeredRegistration::choose_pixels(const PartPictures& part, double frames)
   InformativeOptions options;
   const InterpolationNoise noise = quintic_noise(0);
   options.noise_square = 2 * noise.slope * noise.value / frames;
-  chosen_ = informative_pixels(x, y, inside, options);
-  places_ = cover_with_tiles(chosen_);
+  const Picture chosen = informative_pixels(x, y, inside, options);
+  places_ = cover_with_tiles(chosen);
   const std::size_t n = places_.size() * kTilePixels;
   mask_.assign(n, 0);
   for (TileArrays* a : {&arrays_.part, &arrays_.share, &arrays_.ground}) {
@@ -79,7 +79,7 @@ void LayeredRegistration::choose_pixels(const PartPictures& part, double frames)
       const std::size_t at = t * kTilePixels + k;
       arrays_.u[at] = static_cast<float>(i);
       arrays_.v[at] = static_cast<float>(j);
-      mask_[at] = i <= half_ && j <= half_ ? chosen_.at(i + half_, j + half_) : 0.0F;
+      mask_[at] = i <= half_ && j <= half_ ? chosen.at(i + half_, j + half_) : 0.0F;
       pixels_ += static_cast<double>(mask_[at]);
       if (!(mask_[at] > 0)) continue;
       const Eigen::Vector2d slope(x.at(i + half_, j + half_), y.at(i + half_, j + half_));

@@ -53,8 +53,6 @@ class LayeredRegistration {
   /// blur, which moves opposite edges against each other and the position not at all, is taken out first.
   std::optional<HalvesError> halves() const;
 
-  /// Which pixels of the part's grid take part: 1, else 0.
-  const Picture& chosen() const { return chosen_; }
   /// Pixels about the centre that refine() looks at.
   int reach() const { return half_ + 1; }
 
@@ -77,8 +75,7 @@ class LayeredRegistration {
   Picture variance_;
 
   std::vector<TilePlace> places_;  ///< px from the centre's pixel
-  Picture chosen_;
-  std::vector<float> mask_;  ///< 1 where a pixel of a tile counts
+  std::vector<float> mask_;        ///< 1 where a pixel of a tile counts
   double pixels_ = 0;
   Eigen::Array2d share_taken_ = Eigen::Array2d::Zero();
   std::vector<std::size_t> cluster_;  ///< of each tile
