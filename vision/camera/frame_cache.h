@@ -18,7 +18,7 @@ namespace tribotrack::vision {
 class FrameCache : public FrameSource {
  public:
   static constexpr std::int64_t kMostBytes = 4'000'000'000;
-  static constexpr std::int64_t kLeftFree = 1'000'000'000;  ///< bytes of the disk, by all caches together
+  static constexpr std::int64_t kLeftFree = 1'000'000'000;  ///< bytes of the disk
 
   /// Keeps a reference. At most `most_bytes` in the temporary file, in the folder TMPDIR names, else /var/tmp
   /// (which is no memory); what comes later, or would leave less than kLeftFree there, is not kept.

@@ -2,6 +2,7 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "vision/formats/photron/photron.h"
@@ -33,21 +34,6 @@ void require_supported(const cv::Mat& image, const std::string& name) {
                      " channels; convert it to grey or RGB");
 }
 
-template <typename Level>
-void copy_window(const cv::Mat& image, const Rect& window, Picture& picture) {
-  const int channels = image.channels();
-  for (int y = 0; y < window.height; ++y) {
-    const Level* stored = image.ptr<Level>(window.y + y) + static_cast<std::ptrdiff_t>(window.x) * channels;
-    const std::span<float> row = picture.row(y);
-    if (channels == 1) {
-      for (std::size_t x = 0; x < row.size(); ++x) row[x] = static_cast<float>(stored[x]);
-    } else {
-      for (std::size_t x = 0; x < row.size(); ++x, stored += channels)
-        row[x] = luma(stored[2], stored[1], stored[0]);
-    }
-  }
-}
-
 /// What sequences and stacks share: the description from the first frame, and a frame kept decoded.
 class DecodedPictures : public FrameSource {
  public:
@@ -55,10 +41,11 @@ class DecodedPictures : public FrameSource {
   void read(std::int64_t index, const Rect& window, Picture& picture) override {
     prepare_window(info_, index, window, picture);
     const cv::Mat& image = decoded(index);
-    if (image.depth() == CV_8U)
-      copy_window<std::uint8_t>(image, window, picture);
-    else
-      copy_window<std::uint16_t>(image, window, picture);
+    const bool narrow = image.depth() == CV_8U;
+    const auto copy = image.channels() == 1 ? (narrow ? copy_levels : copy_levels_16)
+                                            : (narrow ? luma_of_bgr : luma_of_bgr_16);
+    for (int y = 0; y < window.height; ++y)
+      copy(image.ptr(window.y + y) + static_cast<std::size_t>(window.x) * image.elemSize(), picture.row(y));
   }
 
  protected:
@@ -90,6 +77,7 @@ class DecodedPictures : public FrameSource {
       kept_ = cv::Mat();
     }
     require_supported(kept_, frame_name(index));
+    if (kept_.channels() == 4) cv::cvtColor(kept_, kept_, cv::COLOR_BGRA2BGR);
     const int bits = kept_.depth() == CV_8U ? 8 : 16;
     if (info_.width != 0 && (kept_.cols != info_.width || kept_.rows != info_.height || bits != info_.bits))
       throw InputError(in_quotes(frame_name(index)) + " has " + std::to_string(kept_.cols) + " x " +

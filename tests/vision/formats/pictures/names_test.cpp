@@ -30,6 +30,8 @@ TEST(NumberPattern, OnlyOneNumber) {
   EXPECT_FALSE(NumberPattern::parse("dir%d/a.png"));
   for (const char* name : {"a%s.png", "a%d%d.png", "a%", "a%5", "a%99d.png"})
     EXPECT_THROW(NumberPattern::parse(name), InputError) << name;
+  EXPECT_TRUE(is_number_pattern("nowhere/frame%05d.png"));
+  EXPECT_FALSE(is_number_pattern("%d%d.png"));
 }
 
 class PictureListTest : public RecordingTest {
@@ -101,12 +103,6 @@ TEST_F(PictureListTest, SidecarThatStatesTheRateBelongsToTheRecording) {
   touch({"shot/shot001.tif", "shot/shot002.tif", "shot/shot.cihx", "shot/other.cihx"});
   EXPECT_THAT(files_of_recording(file("shot")),
               ElementsAre(file("shot/shot001.tif"), file("shot/shot002.tif"), file("shot/shot.cihx")));
-}
-
-TEST(NumberPattern, IsRecognisedByTheNameAlone) {
-  EXPECT_TRUE(is_number_pattern("nowhere/frame%05d.png"));
-  for (const char* name : {"frame.png", "dir%d/frame.png", "100%.cine", "%d%d.png"})
-    EXPECT_FALSE(is_number_pattern(name)) << name;
 }
 
 }  // namespace
