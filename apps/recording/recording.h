@@ -72,13 +72,14 @@ inline constexpr std::array<TrackFlag, 8> kTrackNumbers = {
      {"--xi-axis-rad", "camera", "xi_axis_rad",
       "Direction of the platform's displacement at phase 0 in the picture (x right, y up)"}}};
 /// The others that give keys of [camera].
-inline constexpr std::array<TrackFlag, 6> kTrackPlaces = {
+inline constexpr std::array<TrackFlag, 7> kTrackPlaces = {
     {{"--fps-reason", "camera", "frame_rate_reason", ""},
      {"--disc", "camera", "disc_px", ""},
      {"--template", "camera", "template_px", ""},
      {"--gate", "camera", "gate_px", ""},
      {"--marker", "camera", "marker_px", ""},
-     {"--marker", "camera", "marker", ""}}};
+     {"--marker", "camera", "marker", ""},
+     {"--calibration", "camera", "calibration", ""}}};
 
 /// What `track` can be told.
 struct TrackChoices {

@@ -194,7 +194,8 @@ Json angle_in(const CsvTable& table, std::string_view cell, const RunColumn& col
   const auto radians = parse_angle(text);
   if (!radians)
     table.fail(cell, fmt::format("`{}` is no angle; write a number, \"pi/3\" or \"60deg\"", cell));
-  if (const std::string slip = angle_slip(*radians); !slip.empty()) table.fail(cell, slip);
+  if (const std::string slip = angle_slip(*radians); !slip.empty())
+    table.fail(cell, fmt::format("`{}` {}", cell, slip));
   const bool as_written = !parse_number(text) && column.key->kind.form != Kind::above_zero;
   return as_written ? Json(text) : Json(*radians);
 }
