@@ -173,22 +173,36 @@ Values picked(const Values& values, const std::vector<std::size_t>& places) {
 
 namespace {
 
-constexpr int kDigits = 9;
-
-void shorten(Json& number, int digits = kDigits) {
+void shorten(Json& number, int digits = 9) {
   const double value = number.is_number() ? number.get<double>() : kNone;
   number = std::isfinite(value) ? Json(std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr))
                                 : Json();
 }
 
-/// What is drawn in a trace, its range and ticks in an axis.
-Json shortened(Json json) {
-  for (const char* key : {"x", "y", "customdata", "range", "tickvals"})
-    if (json.contains(key))
-      for (Json& number : json[key]) shorten(number);
-  if (json.contains("error_y"))
-    for (Json& sd : json["error_y"]["array"]) shorten(sd, 3);
-  return json;
+/// To a ten-thousandth of their range, a tenth of a pixel; on a logarithmic axis to seven digits.
+void shorten_places(Json& numbers, const Json& axis) {
+  const double step = 1e-4 * range_of(numbers.get<Values>()).size();
+  for (Json& number : numbers) {
+    const double size = std::abs(number.get<double>());
+    const bool plain = is_log(axis) || !std::isfinite(size);
+    shorten(number, plain ? 7 : 1 + static_cast<int>(std::ceil(std::log10(std::max(size / step, 1.0)))));
+  }
+}
+
+Json shortened(Json trace, const Panel& panel) {
+  shorten_places(trace["x"], panel.x);
+  shorten_places(trace["y"], panel.y);
+  if (trace.contains("fill")) shorten_places(trace["customdata"], panel.y);
+  if (trace.contains("error_y"))
+    for (Json& sd : trace["error_y"]["array"]) shorten(sd, 3);
+  return trace;
+}
+
+Json shortened(Json axis) {
+  for (const char* key : {"range", "tickvals"})
+    if (axis.contains(key))
+      for (Json& number : axis[key]) shorten(number);
+  return axis;
 }
 
 /// Of the axes of panel `i`: "" for the first, "2", ...
@@ -225,7 +239,7 @@ Json plotly_json(const Figure& figure) {
       json["layout"]["shapes"].push_back(shape);
     }
     for (const Json& trace : panel.traces) {
-      Json& drawn = json["data"].emplace_back(shortened(trace));
+      Json& drawn = json["data"].emplace_back(shortened(trace, panel));
       drawn.update({{"xaxis", "x" + n}, {"yaxis", "y" + n}});
     }
   }

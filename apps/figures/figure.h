@@ -144,7 +144,7 @@ Values picked(const Values& values, const std::vector<std::size_t>& places);
 // A figure as the page and other programs take it.
 
 /// For plotly.js: "data" and "layout", panels numbered row by row, and "panels" with title and height of
-/// each. Numbers have nine digits. Axes must be settled.
+/// each. Numbers are good to a tenth of a pixel. Axes must be settled.
 Json plotly_json(const Figure& figure);
 
 }  // namespace tribotrack::apps

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
 #include "apps/files/scenario_file.h"
 #include "apps/page/assets/embedded_assets.h"
@@ -231,19 +230,6 @@ TEST(PaperPage, EveryFigureHasASectionWithItsClaims) {
     EXPECT_EQ(count(section, "<h3>"), claims) << figure.id;
     EXPECT_EQ(count(section, "side only"), figure.number >= 9 ? 1u : 0u) << figure.id;
   }
-}
-
-TEST(PaperTable, HasARowForEachClaim) {
-  std::istringstream csv(claims_csv(paper()));
-  std::string line;
-  std::getline(csv, line);
-  EXPECT_EQ(line, "figure,place,claim,verdict,quantity,conditions,value,unit,statement,finding");
-  for (const Claim& claim : paper().claims) {
-    ASSERT_TRUE(std::getline(csv, line));
-    EXPECT_THAT(line, HasSubstr("\"" + std::string(claim.name) + "\"," + to_string(claim.verdict)));
-    EXPECT_EQ(std::string_view(claim.statement).find('"'), std::string_view::npos);
-  }
-  EXPECT_FALSE(std::getline(csv, line));
 }
 
 class PaperCommand : public ProgramTest {};

@@ -59,15 +59,6 @@ TEST(Dependence, ACurveRunningUpThrough2PiIsBrokenThere) {
   EXPECT_EQ(line.y[4], 0.3);
 }
 
-TEST(Dependence, ACurveRunningDownThrough0IsBrokenThere) {
-  const DrawnPath line = line_of({0, 1}, {0.3, 2 * pi - 0.1});
-  ASSERT_EQ(line.x.size(), 5u);
-  EXPECT_NEAR(line.x[1], 0.75, 1e-12);
-  EXPECT_EQ(line.y[1], 0);
-  EXPECT_TRUE(std::isnan(line.y[2]));
-  EXPECT_EQ(line.y[3], 2 * pi);
-}
-
 // No two neighbours of the drawn line are ever more than half a turn apart.
 TEST(Dependence, NoVerticalLineIsEverDrawn) {
   std::vector<double> x, y;
