@@ -27,7 +27,7 @@ Problem campaign(const std::vector<model::Scenario>& scenarios, std::mt19937& ra
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   for (const auto& s : scenarios)
-    problem.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3, &random, 1000));
+    problem.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3, &random));
   return problem;
 }
 
@@ -90,7 +90,7 @@ TEST(Hopeless, PulsesWithoutEffectGiveNoLag) {
     Problem problem;
     problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
     for (const auto& s : test::fourteen({0.1, 0.1, 0.1})) {
-      problem.summary_runs.push_back(test::summary_run(s, 0.02, 0.02e-3, nullptr, 400));
+      problem.summary_runs.push_back(test::summary_run(s, 0.02, 0.02e-3));
       auto& measured = problem.summary_runs.back().measured;
       std::normal_distribution<double> noise(0, 3e-5);
       measured.covariance = 9e-10 * Eigen::Matrix2d::Identity();
@@ -127,7 +127,7 @@ TEST(Hopeless, AlphaNearItsEdgeIsNoEdge) {
   const Truth truth;
   for (int k = 0; k < 10; ++k) {  // phi such that alpha is 0 to within its error
     model::Scenario s = test::scenario(truth, 0.2, pi / 6 * (1 + k % 5), 10);
-    const Eigen::Vector2d d = test::SlowFriction(s).displacement(400);
+    const Eigen::Vector2d d = test::displacement(s);
     s.friction.phase += std::atan2(d.y(), d.x()) + 0.01 * (k - 5);
     scenarios.push_back(s);
   }

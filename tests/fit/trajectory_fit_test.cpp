@@ -8,6 +8,7 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::fit {
 namespace {
@@ -30,14 +31,14 @@ TrajectoryRun driven(const model::Scenario& truth, double rate, double sigma, st
   run.scenario = truth;
   run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;
   run.scenario.friction.lag = 0;
-  std::vector<double> times;
-  for (int k = 0; k / rate <= truth.end_time(); ++k) times.push_back(k / rate);
+  const model::Trajectory path = model::integrate(truth);
   std::normal_distribution<double> noise;
-  for (const auto& point : test::SlowFriction(truth).at(times, 2000)) {
-    Eigen::Vector2d seen = point.position + sigma * Eigen::Vector2d(noise(random), noise(random));
+  for (int k = 0; k / rate <= truth.end_time(); ++k) {
+    const double time = k / rate;
+    Eigen::Vector2d seen = path.at(time).position + sigma * Eigen::Vector2d(noise(random), noise(random));
     if (!platform_frame)
-      seen += truth.drive.displacement(truth.start_phase + truth.drive.angular_frequency * point.time);
-    run.track.time.push_back(point.time + 0.7);  // the recording's clock started earlier
+      seen += truth.drive.displacement(truth.start_phase + truth.drive.angular_frequency * time);
+    run.track.time.push_back(time + 0.7);  // the recording's clock started earlier
     run.track.frame.push_back(static_cast<long>(run.track.frame.size()) + 350);
     run.track.position.push_back(seen);
     run.track.covariance.push_back(sigma * sigma * Eigen::Matrix2d::Identity());

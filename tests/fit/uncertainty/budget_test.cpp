@@ -21,7 +21,7 @@ Problem campaign(bool noise) {
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   for (const auto& scenario : test::fourteen({}))
     problem.summary_runs.push_back(
-        test::summary_run(scenario, 0.02, 0.05e-3, noise ? &random : nullptr, 1000));
+        test::summary_run(scenario, 0.02, 0.05e-3, noise ? &random : nullptr));
   const model::Drive& drive = problem.summary_runs.front().scenario.drive;
   using enum FitParameter;
   problem.conditions = {{amplitude, 2e-3 * drive.amplitude, "marker"},

@@ -21,7 +21,7 @@ Problem noisy(const Truth& truth, std::mt19937& random, double alpha_sd = 0.01, 
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   for (const auto& s : test::fourteen(truth))
-    problem.summary_runs.push_back(test::summary_run(s, alpha_sd, v_sd, &random, 1000));
+    problem.summary_runs.push_back(test::summary_run(s, alpha_sd, v_sd, &random));
   return problem;
 }
 
@@ -83,7 +83,7 @@ TEST(RobustCampaign, DISABLED_ItsIntervalsHoldOnGoodData) {
   Problem exact;
   exact.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   for (const auto& s : test::fourteen(truth))
-    exact.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3, nullptr, 1000));
+    exact.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3));
   std::normal_distribution<double> normal;
   int inside[3] = {0, 0, 0};
   for (int trial = 0; trial < 80; ++trial) {
