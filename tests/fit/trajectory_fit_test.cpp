@@ -17,12 +17,7 @@ using test::Truth;
 using testing::HasSubstr;
 constexpr double pi = std::numbers::pi;
 
-FitOptions quick() {
-  FitOptions options;
-  options.profiles = false;
-  options.multi_starts = 2;
-  return options;
-}
+const FitOptions kQuick{.multi_starts = 2, .profiles = false};
 
 TrajectoryRun driven(const model::Scenario& truth, double rate, double sigma, std::mt19937& random,
                      bool platform_frame = true) {
@@ -81,7 +76,7 @@ TEST(TrajectoryFit, EveryPointOfTwoRunsPinsAllThree) {
     problem.trajectory_runs = {
         driven(test::scenario(truth, 0.3, pi / 3, 6), 250, 0.5e-6, random, platform_frame),
         driven(test::scenario(truth, 2.0, pi / 2, 6), 250, 0.5e-6, random, platform_frame)};
-    const FitResult result = estimate(problem, quick());
+    const FitResult result = estimate(problem, kQuick);
     EXPECT_TRUE(result.usable()) << result.full_report();
     EXPECT_EQ(result.scatter, 0);
     EXPECT_GT(result.p_value, 1e-3);
@@ -108,10 +103,10 @@ TEST(TrajectoryFit, ThePlatformsPhaseIsANuisanceWithItsSd) {
         driven(test::scenario(truth, 0.3, pi / 3, 6), 250, 0.5e-6, random, platform_frame),
         driven(test::scenario(truth, 2.0, pi / 2, 6), 250, 0.5e-6, random, platform_frame)};
     problem.trajectory_runs[0].scenario.start_phase += 0.02;
-    const FitResult blind = estimate(problem, quick());
+    const FitResult blind = estimate(problem, kQuick);
     EXPECT_GT(blind.scatter, 0);
     for (auto& run : problem.trajectory_runs) run.start_phase_sd = 0.03;
-    const FitResult seeing = estimate(problem, quick());
+    const FitResult seeing = estimate(problem, kQuick);
     EXPECT_EQ(seeing.scatter, 0) << seeing.full_report();
     EXPECT_NEAR(seeing.runs[0].nuisance.at("start_phase_rad"), 0, 2e-3);
     EXPECT_NEAR(seeing.runs[1].nuisance.at("start_phase_rad"), 0, 2e-3);
@@ -129,7 +124,7 @@ TEST(FreeSlide, GivesMu1AndTheInitialSpeed) {
     Problem problem;
     problem.free = {FitParameter::mu1};
     problem.trajectory_runs = {slide(0.15, 0.8, 0.4, 240, stops ? 0.8 : 0.4, 20e-6, random)};
-    FitOptions options = quick();
+    FitOptions options = kQuick;
     options.profiles = true;
     const FitResult result = estimate(problem, options);
     EXPECT_TRUE(result.usable()) << result.full_report();
@@ -149,7 +144,7 @@ TEST(FreeSlide, FramesBeforeTheStrikeAreLeftOut) {
   Problem problem;
   problem.free = {FitParameter::mu1};
   problem.trajectory_runs = {slide(0.12, 0.9, 0, 240, 0.6, 20e-6, random, 0.1)};
-  const FitResult result = estimate(problem, quick());
+  const FitResult result = estimate(problem, kQuick);
   const double onset = result.runs[0].nuisance.at("onset_frame");
   EXPECT_GE(onset, 24);
   EXPECT_LE(onset, 36);
@@ -176,7 +171,7 @@ TEST(FreeSlide, CorrelatedScatterWidensTheInterval) {
           rho * wander + std::sqrt(1 - rho * rho) * 150e-6 * Eigen::Vector2d(normal(random), normal(random));
       p += wander;
     }
-    const FitResult result = estimate(problem, quick());
+    const FitResult result = estimate(problem, kQuick);
     ASSERT_GT(result.scatter, 0);
     EXPECT_GT(result.runs[0].nuisance.at("correlation_time_points"), 1.5);
     inside += result.parameters[0].ci95.low <= 0.15 && 0.15 <= result.parameters[0].ci95.high;
@@ -191,7 +186,7 @@ TEST(FreeSlide, AnOutlierIsNamed) {
   problem.free = {FitParameter::mu1};
   problem.trajectory_runs = {slide(0.12, 0.9, 0, 240, 0.4, 20e-6, random)};
   problem.trajectory_runs[0].track.position[60].y() += 1e-3;
-  const FitResult result = estimate(problem, quick());
+  const FitResult result = estimate(problem, kQuick);
   std::string warnings;
   for (const auto& warning : result.warnings) warnings += warning + "\n";
   EXPECT_THAT(warnings, HasSubstr("(frames 60)"));
@@ -202,7 +197,7 @@ TEST(FreeSlide, OnlyMu1IsKnownToIt) {
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2};
   problem.trajectory_runs = {slide(0.12, 0.9, 0, 240, 0.4, 20e-6, random)};
-  const FitResult result = estimate(problem, quick());
+  const FitResult result = estimate(problem, kQuick);
   EXPECT_FALSE(result.usable());
   ASSERT_FALSE(result.identifiability.weak_directions.empty());
   EXPECT_THAT(result.identifiability.weak_directions[0],
@@ -211,7 +206,7 @@ TEST(FreeSlide, OnlyMu1IsKnownToIt) {
   problem.trajectory_runs[0].track.time.resize(5);
   problem.trajectory_runs[0].track.position.resize(5);
   problem.trajectory_runs[0].track.covariance.resize(5);
-  EXPECT_THROW(estimate(problem, quick()), DataError);
+  EXPECT_THROW(estimate(problem, kQuick), DataError);
 }
 
 TEST(TrajectoryFit, KindsMixAndShareMu1) {
@@ -222,9 +217,9 @@ TEST(TrajectoryFit, KindsMixAndShareMu1) {
   for (const auto& s : test::fourteen(truth))
     if (problem.summary_runs.size() < 8)
       problem.summary_runs.push_back(test::summary_run(s, 0.02, 0.1e-3, &random));
-  const FitResult alone = estimate(problem, quick());
+  const FitResult alone = estimate(problem, kQuick);
   problem.trajectory_runs = {slide(0.1, 0.8, 0.4, 240, 0.7, 20e-6, random)};
-  const FitResult both = estimate(problem, quick());
+  const FitResult both = estimate(problem, kQuick);
   // mu1 from the slide breaks the trade-off with the lag.
   EXPECT_LT(both.parameters[0].sd, 0.3 * alone.parameters[0].sd);
   EXPECT_LT(both.parameters[2].sd, 0.5 * alone.parameters[2].sd);

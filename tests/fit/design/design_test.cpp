@@ -81,18 +81,5 @@ TEST(Profile, ABetterOptimumRestartsThem) {
   }
 }
 
-TEST(Threads, DoNotChangeTheAnswer) {
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  std::mt19937 random(9);
-  for (int k = 0; k < 4; ++k)
-    problem.summary_runs.push_back(
-        test::summary_run(test::scenario({}, k, 0.5 + 0.5 * k), 0.01, 0.05e-3, &random));
-  FitOptions one, many;
-  many.threads = 4;
-  const FitResult a = estimate(problem, one), b = estimate(problem, many);
-  EXPECT_EQ(a.full_report(), b.full_report());
-}
-
 }  // namespace
 }  // namespace tribotrack::fit
