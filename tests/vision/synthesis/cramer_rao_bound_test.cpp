@@ -90,22 +90,6 @@ TEST(PositionBound, IsReachedByTheEfficientEstimate) {
   EXPECT_NEAR((covariance(0, 1) - bound(0, 1)) / bound(0, 0), 0, 4 / std::sqrt(frames));
 }
 
-TEST(PositionBound, GrowsWithNoiseAndNotWithDepth) {
-  const auto sd = [](const Scene& scene) {
-    return std::sqrt(position_bound(SceneRenderer(scene), 0, 0, at_rest({25.3, 24.9}))(0, 0));
-  };
-  const Scene base = plain(15);
-  Scene other = base;
-  other.read_noise = 3;
-  EXPECT_NEAR(sd(other) / sd(base), std::sqrt((9 + 1.0 / 12) / (2.25 + 1.0 / 12)), 1e-6);
-  other = base;
-  other.shot_noise = 0.05;
-  EXPECT_GT(sd(other), 1.3 * sd(base));
-  other = base;
-  other.bits = 12;  // only rounding matters less
-  EXPECT_NEAR(sd(other) / sd(base), std::sqrt((2.25 + 1.0 / 12 / 256) / (2.25 + 1.0 / 12)), 1e-5);
-}
-
 TEST(PositionBound, FollowsTheMotionBlurOfEveryPartOfTheRim) {
   // At the angle a the rim's Gaussian is convolved with a box of w = path |cos a|, and the integral of its
   // square is the mean of N(u; 0, 2 s^2) over the triangle of half width w.

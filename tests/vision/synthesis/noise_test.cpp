@@ -8,17 +8,6 @@
 namespace tribotrack::vision {
 namespace {
 
-TEST(NormalQuantile, InvertsTheDistribution) {
-  for (double x = -8; x <= 0; x += 0.125) {
-    EXPECT_NEAR(normal_quantile(0.5 * std::erfc(-x / std::sqrt(2.0))), x, 1e-12 * (1 + std::abs(x)));
-  }
-  EXPECT_NEAR(normal_quantile(0.5), 0, 1e-15);
-  EXPECT_NEAR(normal_quantile(0.975), 1.959963984540054, 1e-13);
-  EXPECT_NEAR(normal_quantile(0.3), -normal_quantile(0.7), 1e-14);
-  EXPECT_EQ(normal_quantile(0), -INFINITY);
-  EXPECT_EQ(normal_quantile(1), INFINITY);
-}
-
 TEST(CounterRandom, GaussianHasTheMomentsAndTailsOfTheNormalDistribution) {
   const CounterRandom random(11, 4);
   const int n = 8000000;
