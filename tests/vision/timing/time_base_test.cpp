@@ -38,13 +38,6 @@ TEST(TimeBase, UnknownSaysWhatWasFoundAndWhatToGive) {
   EXPECT_THAT(TimeBase{}.why_unknown(), HasSubstr("--fps"));
 }
 
-TEST(TimeBase, StampsBeatIndexOverRate) {
-  TimeBase base;
-  base.rate_hz = 100;
-  base.stamps_s = {0, 0.0101, 0.0199};
-  EXPECT_EQ(base.time_s(1), 0.0101);
-}
-
 TEST(TimeBase, UsualPlaybackRates) {
   for (const double rate :
        {24.0, 23.976, 25.0, 29.97, 30000.0 / 1001, 30.0, 50.0, 60000.0 / 1001, 60.0, 600.0, 1000.0, 65535.0})
