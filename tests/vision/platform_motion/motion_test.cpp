@@ -214,12 +214,6 @@ TEST(GroundMotionCampaign, DISABLED_SomethingThatCrossesIsLeftOut) {
   EXPECT_GT(motion.frames[50]->trimmed_share, 0.004);
 }
 
-TEST(GroundMotionCampaign, DISABLED_FastMotionIsPredicted) {
-  Circling s;
-  s.circle_px = 14;  // 1.8 px a frame
-  expect_right(errors_of(followed(s, s.pictures()), s), s);
-}
-
 TEST(GroundMotion, AGlanceTellsRestFromMotion) {
   Circling s;
   const GroundVerdict moving = glance(s, s.pictures());

@@ -73,5 +73,13 @@ TEST(PlatformTexture, CorrelatesAlongAndAcrossTheBrushAsAsked) {
   }
 }
 
+TEST(PlatformTexture, IsFlatWithoutRoughnessAndFollowsTheSeed) {
+  PlatformAppearance flat = brushed();
+  flat.texture_rms = 0;
+  EXPECT_EQ(PlatformTexture(flat, 1).at(3, 4), 0);
+  EXPECT_EQ(PlatformTexture(brushed(), 1).at(3, 4), PlatformTexture(brushed(), 1).at(3, 4));
+  EXPECT_NE(PlatformTexture(brushed(), 1).at(3, 4), PlatformTexture(brushed(), 2).at(3, 4));
+}
+
 }  // namespace
 }  // namespace tribotrack::vision

@@ -213,45 +213,54 @@ TEST(GivenDisc, IsNotWhatACoderLeavesOfAnEvenGround) {
   EXPECT_EQ(summary.ok, 20);
 }
 
-Point held_disc(int k) {
-  return {60.4 + (k < 18 ? 0 : 0.8 * (k - 18)), 60.2};
-}
-
 /// A hand - dark, as large as the disc, textured - holds it in the first frames, then lets go and leaves.
-MemorySource held() {
-  std::mt19937 random(3);
-  std::vector<Picture> pictures;
-  for (int k = 0; k < 120; ++k) {
-    const Point at = held_disc(k);
-    Picture picture = pictured(240, 120, {{at.x, at.y, 10}}, random);
-    const double away = k < 18 ? 0.05 * k : 3.0 * (k - 18);
-    const Point middle{50.4 - away, 63.2};
-    for (int y = 0; y < 120; ++y)
-      for (int x = 0; x < 240; ++x)
-        if (std::hypot(x - middle.x, y - middle.y) < 10)
-          picture.at(x, y) = static_cast<float>(100 + 30 * std::sin(0.9 * (x - middle.x)) +
-                                                20 * std::cos(0.7 * (y - middle.y)));
-    pictures.push_back(std::move(picture));
+struct Held {
+  Point hand;  ///< from the disc's centre
+  double size = 10;
+  MemorySource recording() const {
+    std::mt19937 random(3);
+    std::vector<Picture> pictures;
+    for (int k = 0; k < 120; ++k) {
+      const Point at = disc(k);
+      Picture picture = pictured(240, 120, {{at.x, at.y, 10}}, random);
+      const double away = k < 18 ? 0.05 * k : 3.0 * (k - 18);
+      const Point middle{60.4 + hand.x - away, 60.2 + hand.y};
+      for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 240; ++x)
+          if (std::hypot(x - middle.x, y - middle.y) < size)
+            picture.at(x, y) = static_cast<float>(100 + 30 * std::sin(0.9 * (x - middle.x)) +
+                                                  20 * std::cos(0.7 * (y - middle.y)));
+      pictures.push_back(std::move(picture));
+    }
+    return {std::move(pictures), 500};
   }
-  return {std::move(pictures), 500};
+  static Point disc(int k) { return {60.4 + (k < 18 ? 0 : 0.8 * (k - 18)), 60.2}; }
+};
+
+/// The hand's distance, and whether the disc is found by itself.
+void expect_disc_not_hand(double from, bool by_itself) {
+  MemorySource source = Held{{from, 3}}.recording();
+  TrackOptions options = given({60.4, 60.2, 10});
+  if (by_itself) options.target.kind = Target::Kind::find_disc;
+  const TrackResult result = track(source, options);
+  int right = 0, wrong = 0;
+  for (const TrackPoint& p : result.track.points) {
+    const Point truth = Held::disc(static_cast<int>(p.frame));
+    const double off = std::hypot(p.x - truth.x, p.y - truth.y);
+    right += p.status == TrackStatus::ok && off < 1;
+    wrong += p.status == TrackStatus::ok && off > 5;  // the hand
+  }
+  EXPECT_GE(right, 95) << from << by_itself;
+  EXPECT_EQ(wrong, 0) << from << by_itself;
 }
 
 TEST(Hand, InTheFirstFramesCostsNoMoreThanThose) {
-  for (const bool by_itself : {false, true}) {
-    MemorySource source = held();
-    TrackOptions options = given({60.4, 60.2, 10});
-    if (by_itself) options.target.kind = Target::Kind::find_disc;
-    const TrackResult result = track(source, options);
-    int right = 0, wrong = 0;
-    for (const TrackPoint& p : result.track.points) {
-      const Point truth = held_disc(static_cast<int>(p.frame));
-      const double off = std::hypot(p.x - truth.x, p.y - truth.y);
-      right += p.status == TrackStatus::ok && off < 1;
-      wrong += p.status == TrackStatus::ok && off > 5;  // the hand
-    }
-    EXPECT_GE(right, 95) << by_itself;
-    EXPECT_EQ(wrong, 0) << by_itself;
-  }
+  for (const bool by_itself : {false, true}) expect_disc_not_hand(-10, by_itself);
+}
+
+TEST(HandCampaign, DISABLED_InTheFirstFramesCostsNoMoreThanThose) {
+  for (const double from : {-16.0, -13.0, -7.0})
+    for (const bool by_itself : {false, true}) expect_disc_not_hand(from, by_itself);
 }
 
 }  // namespace
