@@ -65,56 +65,48 @@ TrajectoryRun slide(double mu, double speed, double angle, double rate, double d
   return run;
 }
 
-TEST(TrajectoryFit, EveryPointOfTwoRunsPinsAllThree) {
-  const unsigned seed = 11;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  const Truth truth{0.1, 0.0125, 0.1};
-  for (const bool platform_frame : {true, false}) {
-    Problem problem;
+/// mu1, mu2 and the lag from every point of two runs, in the platform's and in the camera's frame.
+class TwoRuns : public testing::TestWithParam<bool> {
+ protected:
+  TwoRuns() {
     problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-    problem.trajectory_runs = {
-        driven(test::scenario(truth, 0.3, pi / 3, 6), 250, 0.5e-6, random, platform_frame),
-        driven(test::scenario(truth, 2.0, pi / 2, 6), 250, 0.5e-6, random, platform_frame)};
-    const FitResult result = estimate(problem, kQuick);
-    EXPECT_TRUE(result.usable()) << result.full_report();
-    EXPECT_EQ(result.scatter, 0);
-    EXPECT_GT(result.p_value, 1e-3);
-    const double truths[] = {truth.mu1, truth.mu2, truth.lag};
-    for (std::size_t i = 0; i < 3; ++i)
-      EXPECT_NEAR(result.parameters[i].estimate, truths[i], 4 * result.parameters[i].sd)
-          << result.full_report();
-    EXPECT_LT(result.parameters[0].sd, 1e-4);
-    EXPECT_EQ(result.runs[0].points, problem.trajectory_runs[0].track.time.size());
-    EXPECT_NEAR(result.runs[0].rms_m, 0.5e-6 * std::sqrt(2.0), 0.1e-6);
+    std::mt19937 random(11);
+    for (const auto& [phi, dtau] : {std::pair{0.3, pi / 3}, {2.0, pi / 2}})
+      problem.trajectory_runs.push_back(
+          driven(test::scenario({}, phi, dtau, 6), 250, 0.5e-6, random, GetParam()));
   }
+  static void expect_truth(const FitResult& result) {
+    const Truth truth;
+    const double truths[] = {truth.mu1, truth.mu2, truth.lag};
+    EXPECT_EQ(result.scatter, 0) << result.full_report();
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_NEAR(result.parameters[i].estimate, truths[i], 4 * result.parameters[i].sd);
+  }
+  Problem problem;
+};
+
+TEST_P(TwoRuns, PinAllThree) {
+  const FitResult result = estimate(problem, kQuick);
+  EXPECT_TRUE(result.usable()) << result.full_report();
+  EXPECT_GT(result.p_value, 1e-3);
+  expect_truth(result);
+  EXPECT_LT(result.parameters[0].sd, 1e-4);
+  EXPECT_EQ(result.runs[0].points, problem.trajectory_runs[0].track.time.size());
+  EXPECT_NEAR(result.runs[0].rms_m, 0.5e-6 * std::sqrt(2.0), 0.1e-6);
 }
 
 // A platform phase wrong by 0.02 rad: taken as exact it spoils the fit, with its sd it is found.
-TEST(TrajectoryFit, ThePlatformsPhaseIsANuisanceWithItsSd) {
-  const unsigned seed = 19;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  const Truth truth{0.1, 0.0125, 0.1};
-  for (const bool platform_frame : {true, false}) {
-    Problem problem;
-    problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-    problem.trajectory_runs = {
-        driven(test::scenario(truth, 0.3, pi / 3, 6), 250, 0.5e-6, random, platform_frame),
-        driven(test::scenario(truth, 2.0, pi / 2, 6), 250, 0.5e-6, random, platform_frame)};
-    problem.trajectory_runs[0].scenario.start_phase += 0.02;
-    const FitResult blind = estimate(problem, kQuick);
-    EXPECT_GT(blind.scatter, 0);
-    for (auto& run : problem.trajectory_runs) run.start_phase_sd = 0.03;
-    const FitResult seeing = estimate(problem, kQuick);
-    EXPECT_EQ(seeing.scatter, 0) << seeing.full_report();
-    EXPECT_NEAR(seeing.runs[0].nuisance.at("start_phase_rad"), 0, 2e-3);
-    EXPECT_NEAR(seeing.runs[1].nuisance.at("start_phase_rad"), 0, 2e-3);
-    const double truths[] = {truth.mu1, truth.mu2, truth.lag};
-    for (std::size_t i = 0; i < 3; ++i)
-      EXPECT_NEAR(seeing.parameters[i].estimate, truths[i], 4 * seeing.parameters[i].sd);
-  }
+TEST_P(TwoRuns, FindThePlatformsPhase) {
+  problem.trajectory_runs[0].scenario.start_phase += 0.02;
+  const FitResult blind = estimate(problem, kQuick);
+  EXPECT_GT(blind.scatter, 0);
+  for (auto& run : problem.trajectory_runs) run.start_phase_sd = 0.03;
+  const FitResult seeing = estimate(problem, kQuick);
+  expect_truth(seeing);
+  for (const RunResult& run : seeing.runs) EXPECT_NEAR(run.nuisance.at("start_phase_rad"), 0, 2e-3);
 }
+
+INSTANTIATE_TEST_SUITE_P(PlatformFrame, TwoRuns, testing::Bool());
 
 TEST(FreeSlide, GivesMu1AndTheInitialSpeed) {
   const unsigned seed = 17;
