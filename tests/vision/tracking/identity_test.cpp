@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -18,12 +19,21 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
+constexpr double kGround = 60, kLevel = 160, kBlur = 0.8, kNoise = 1.5;
+
 Picture pictured(int width, int height, const std::vector<Circle>& discs, std::mt19937& random) {
-  test::TestScene scene;
-  scene.width = width;
-  scene.height = height;
-  for (const Circle& c : discs) scene.discs.push_back({c.x, c.y, c.radius, 0, 160});
-  return test::noisy(scene.render(), 1.5, random);
+  std::normal_distribution<float> noise(0, kNoise);
+  Picture picture(width, height, kGround);
+  for (const Circle& c : discs)
+    for (int y = std::max(0, static_cast<int>(c.y - c.radius - 5));
+         y < std::min<double>(height, c.y + c.radius + 5); ++y)
+      for (int x = std::max(0, static_cast<int>(c.x - c.radius - 5));
+           x < std::min<double>(width, c.x + c.radius + 5); ++x)
+        picture.at(x, y) += static_cast<float>(
+            (kLevel - kGround) * 0.5 *
+            std::erfc((std::hypot(x - c.x, y - c.y) - c.radius) / (std::numbers::sqrt2 * kBlur)));
+  for (float& level : picture.levels()) level = std::round(level + noise(random));
+  return picture;
 }
 
 MemorySource recorded(int width, int height, int frames,
