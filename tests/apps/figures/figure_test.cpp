@@ -98,12 +98,6 @@ TEST(SettleAxes, NothingToShowStillHasARange) {
   EXPECT_LT(ends(panel.y)[0], ends(panel.y)[1]);
 }
 
-TEST(Thinned, AShortPathStaysAsItIs) {
-  const DrawnPath path = thinned({1, 2, 3}, {4, 5, 6}, 3);
-  EXPECT_THAT(path.x, ElementsAre(1, 2, 3));
-  EXPECT_THAT(path.y, ElementsAre(4, 5, 6));
-}
-
 TEST(Thinned, EveryKthPointOfALongOne) {
   std::vector<double> x(10);
   std::iota(x.begin(), x.end(), 0);
@@ -119,14 +113,6 @@ TEST(Thinned, EveryGapStaysAGap) {
       << "between drawn points";
   EXPECT_THAT(thinned({0, 1, kNone, 3, 4, 5}, {0, 1, 2, 3, 4, 5}, 3).x, ElementsAre(0, IsNan(), 4))
       << "on a drawn point";
-}
-
-TEST(Thinned, NothingGivesNothing) {
-  EXPECT_TRUE(thinned({}, {}, 10).x.empty());
-}
-
-TEST(Envelope, AShortSeriesStaysAsItIs) {
-  EXPECT_THAT(envelope({3, 1, 2}, 3), ElementsAre(0, 1, 2));
 }
 
 TEST(Envelope, NoOutlierIsLost) {

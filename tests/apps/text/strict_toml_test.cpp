@@ -14,22 +14,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(StrictToml, HandsOutWhatIsThere) {
-  StrictTable t = StrictTable::parse(
-      "a = 1\nb = 2.5\nc = \"11pi/9\"\nd = [1, 2.5]\ne = \"word\"\nf = true\n[g]\nx = 3\n[[h]]\n[[h]]\n",
-      "t.toml");
-  EXPECT_EQ(t.number("a"), 1.0);
-  EXPECT_EQ(t.positive("b"), 2.5);
-  EXPECT_EQ(t.angle("c"), 11 * std::numbers::pi / 9);
-  EXPECT_EQ(t.numbers("d", 2), (std::vector<double>{1, 2.5}));
-  EXPECT_EQ(t.text("e"), "word");
-  EXPECT_EQ(t.boolean("f"), true);
-  EXPECT_EQ(t.table("g")->integer("x"), 3);
-  EXPECT_EQ(t.tables("h").size(), 2u);
-  EXPECT_FALSE(t.number("not there"));
-  t.finish();
-}
-
 TEST(StrictToml, NumbersAreThereAsTheyWereWritten) {
   StrictTable table = StrictTable::parse(
       "# \u00e9\r\na = 0.280 # 0.28\nb = { \"\u00e9\" = 2.50e-3, c = -1_0.5 }\nd = \"45.0deg\"\ne = 7\nf = "

@@ -30,7 +30,7 @@ FitOptions quick(bool next) {
 
 /// Filmed without noise, with a stated sigma of kSigma.
 SummaryRun film(const model::Scenario& scenario) {
-  SummaryRun run = test::summary_run(scenario, 0.01, 0.05e-3, nullptr, 1000);
+  SummaryRun run = test::summary_run(scenario, 0.01, 0.05e-3);
   run.measured.covariance = kSigma * kSigma * Eigen::Matrix2d::Identity();
   run.measured.given_as_velocity = false;
   return run;
@@ -122,11 +122,11 @@ TEST(NextExperiment, OfTracksIsATrack) {
     run.start_phase_sd = 0.01;
     run.track.platform_frame = true;
     std::normal_distribution<double> noise(0, 2e-6);
-    std::vector<double> times;
-    for (int k = 0; k <= 150; ++k) times.push_back(k * 4e-3);
-    for (const auto& point : test::SlowFriction(truth).at(times, 1000)) {
-      run.track.time.push_back(point.time);
-      run.track.position.push_back(point.position + Eigen::Vector2d(noise(random), noise(random)));
+    const model::Trajectory path = model::integrate(truth);
+    for (int k = 0; k <= 150; ++k) {
+      run.track.time.push_back(k * 4e-3);
+      run.track.position.push_back(path.at(k * 4e-3).position +
+                                   Eigen::Vector2d(noise(random), noise(random)));
       run.track.covariance.push_back(4e-12 * Eigen::Matrix2d::Identity());
     }
     return run;

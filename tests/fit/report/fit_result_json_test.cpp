@@ -157,22 +157,12 @@ std::string refusal(const std::function<void(Json&)>& damage) {
 }
 
 TEST(FitResultJson, AFileWithoutItsKeysIsRefusedByName) {
-  EXPECT_EQ(refusal([](Json& fit) { fit = Json::array(); }), "must hold an object, not []");
-  for (const char* key :
-       {"parameters", "correlation", "chi2", "dof", "agreement", "converged", "identifiability"})
+  for (const char* key : {"correlation", "chi2", "dof", "agreement", "converged", "identifiability"})
     EXPECT_EQ(refusal([&](Json& fit) { fit.erase(key); }), "`" + std::string(key) + "` is missing");
   EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"].erase("estimate"); }),
             "`parameters.mu1.estimate` is missing");
-  EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"]["estimate"] = "0.1"; }),
-            "`parameters.mu1.estimate` must be a number, not \"0.1\"");
-  EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"]["sd"] = -1; }),
-            "`parameters.mu1.sd` must be 0 or more, not -1");
   EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"]["ci95"] = {0.1}; }),
             "`parameters.mu1.ci95` must be a list of two numbers, not [0.1]");
-  EXPECT_EQ(refusal([](Json& fit) {
-              fit["parameters"]["mu1"]["ci95"] = {2, 1};
-            }),
-            "`parameters.mu1.ci95` must be an interval, the low end first, not [2,1]");
   EXPECT_EQ(refusal([](Json& fit) { fit["parameters"] = Json::object(); }),
             "`parameters` must be an object with the fitted parameters, not {}");
   EXPECT_THAT(refusal([](Json& fit) { fit["parameters"]["mu9"] = 1; }),

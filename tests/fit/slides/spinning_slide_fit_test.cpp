@@ -15,18 +15,13 @@ using test::slide_track;
 using test::SlideLook;
 using test::UnitSlide;
 
-FitOptions quick() {
-  FitOptions options;
-  options.profiles = options.next_experiment = false;
-  options.multi_starts = 1;
-  return options;
-}
+const FitOptions kQuick{.multi_starts = 1, .profiles = false, .next_experiment = false};
 
 FitResult fit_of(const std::vector<TrajectoryRun>& runs) {
   Problem problem;
   problem.free = {FitParameter::mu1};
   problem.trajectory_runs = runs;
-  return estimate(problem, quick());
+  return estimate(problem, kQuick);
 }
 
 /// The motion of each ratio is integrated once.

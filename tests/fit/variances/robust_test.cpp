@@ -21,7 +21,7 @@ Problem noisy(const Truth& truth, std::mt19937& random, double alpha_sd = 0.01, 
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   for (const auto& s : test::fourteen(truth))
-    problem.summary_runs.push_back(test::summary_run(s, alpha_sd, v_sd, &random, 1000));
+    problem.summary_runs.push_back(test::summary_run(s, alpha_sd, v_sd, &random));
   return problem;
 }
 

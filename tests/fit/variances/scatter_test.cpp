@@ -29,7 +29,7 @@ Problem scattered(int times, double along, double across, std::mt19937& random, 
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   for (auto scenario : test::fourteen({})) {
     scenario.drive.tilt_x = tilt;
-    SummaryRun exact = test::summary_run(scenario, 0.01, 1e-5, nullptr, 600);
+    SummaryRun exact = test::summary_run(scenario, 0.01, 1e-5);
     exact.measured.covariance = 1e-10 * Eigen::Matrix2d::Identity();
     exact.scenario.drive.tilt_x = 0;
     const Eigen::Vector2d u = exact.measured.vector.normalized(), v(-u.y(), u.x());

@@ -64,7 +64,7 @@ struct Errors {
   Eigen::Vector2d amplitude_off, phase_off, amplitude_sd;  ///< per axis; relative, rad, relative = rad
 };
 
-Errors errors_of(const GroundMotion& motion, const Circling& s, double turn = 0) {
+Errors errors_of(const GroundMotion& motion, const Circling& s) {
   std::vector<Eigen::Vector2d> off, seen, truth;
   std::vector<double> times;
   std::vector<Eigen::Matrix2d> covariances;
@@ -82,7 +82,7 @@ Errors errors_of(const GroundMotion& motion, const Circling& s, double turn = 0)
   const double n = e.found;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const auto& o : off) mean += o / n;
-  const double angle = s.scene.platform.brush_angle_rad + turn;
+  const double angle = s.scene.platform.brush_angle_rad;
   const Eigen::Vector2d along(std::cos(angle), -std::sin(angle)), across(std::sin(angle), std::cos(angle));
   Eigen::Matrix2d reported = Eigen::Matrix2d::Zero();
   for (std::size_t k = 0; k < off.size(); ++k) {

@@ -1,6 +1,5 @@
 #include "apps/files/campaign/data_section.h"
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -37,20 +36,6 @@ class Tables : public ProgramTest {
   }
 };
 
-void expect_same_runs(const Campaign& a, const Campaign& b, double tolerance = 0) {
-  ASSERT_EQ(a.runs.size(), b.runs.size());
-  for (std::size_t k = 0; k < a.runs.size(); ++k) {
-    const CampaignRun &one = a.runs[k], &other = b.runs[k];
-    EXPECT_EQ(one.name, other.name);
-    EXPECT_NEAR(one.phi, other.phi, tolerance);
-    EXPECT_NEAR(one.dtau, other.dtau, tolerance);
-    EXPECT_NEAR(*one.alpha, *other.alpha, tolerance);
-    EXPECT_NEAR(*one.alpha_sd, *other.alpha_sd, tolerance);
-    EXPECT_NEAR(*one.v, *other.v, tolerance);
-    EXPECT_NEAR(*one.v_sd, *other.v_sd, tolerance);
-  }
-}
-
 constexpr const char* kTable =
     "phi_rad,dtau_rad,alpha_rad,alpha_sd_rad,v_mm_s,v_sd_mm_s\n"
     "0,1.047,5.6,0.02,3.93,0.04\n"
@@ -71,18 +56,6 @@ TEST_F(Tables, EachLineIsARun) {
   EXPECT_EQ(c.table_inputs.size(), 1u);
   const auto files = c.input_files();
   EXPECT_EQ(std::count(files.begin(), files.end(), in_folder("alpha_v.csv")), 1);
-}
-
-TEST_F(Tables, DegreesAreRadians) {
-  std::string degrees = "v (m/s);\xce\xb1 [\xc2\xb0];phi (deg);sd v (m/s);dtau_deg;sd_alpha_deg\n";
-  const auto row = [&](double phi, double dtau, double alpha, double alpha_sd, double v, double v_sd) {
-    degrees += fmt::format("{};{};{};{};{};{}\n", v * 1e-3, alpha * 180 / pi, phi * 180 / pi, v_sd * 1e-3,
-                           dtau * 180 / pi, alpha_sd * 180 / pi);
-  };
-  row(0, 1.047, 5.6, 0.02, 3.93, 0.04);
-  row(1.5, 1.047, 4.1, 0.02, 4.02, 0.04);
-  row(0, 2.094, 5.3, 0.02, 8.19, 0.05);
-  expect_same_runs(read(kTable), read(degrees), 1e-14);
 }
 
 TEST_F(Tables, ConditionsMayBeColumns) {

@@ -32,14 +32,6 @@ TEST(CheckSection, ChiSquareIsReadAgainstWhatChanceAllows) {
           "χ² so large in fewer than one of 1000 campaigns."));
 }
 
-TEST(CheckSection, WithoutSpareDataNothingChecksTheModel) {
-  ReportData data = sample::campaign();
-  data.fit.dof = 0;
-  data.fit.p_value = 1;
-  EXPECT_THAT(check_of(data), HasSubstr("with 0 degrees of freedom: as many data as unknowns"));
-  EXPECT_THAT(check_of(data), Not(HasSubstr("p = ")));
-}
-
 TEST(CheckSection, OutlyingRunsAreNamedWithWhatTheyLookLike) {
   ReportData data = sample::campaign();
   data.fit.outliers = {{"phi90_dtau60", 12.3, 3e-8, sample::pi, ""}, {"elsewhere", 5.0, 0, {}, ""}};
@@ -77,10 +69,6 @@ TEST(CheckSection, ExplanationsStandBesideWhatWasAssumed) {
                               "<td class=\"n\">0.00100(10) rad</td><td class=\"n\">0.1030(10)</td>"));
   EXPECT_THAT(html, HasSubstr("tilt &lt;a&gt;"));
   EXPECT_THAT(html, HasSubstr("<li>Something was not needed.</li>"));
-}
-
-TEST(CheckSection, IsLeftOutWithoutAFit) {
-  EXPECT_EQ(check_of(ReportData{}), "");
 }
 
 }  // namespace

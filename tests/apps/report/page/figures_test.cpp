@@ -138,13 +138,6 @@ TEST(Dependence, MoreGroupsThanALegendHoldsAreToldApartByColour) {
   EXPECT_THAT(figure.caption, HasSubstr("Colour tells the value"));
 }
 
-TEST(Dependence, WithoutRunsToCompareThereIsNoFigure) {
-  ReportData data = sample::campaign();
-  data.over_dtau.clear();
-  EXPECT_EQ(dependence_figures(data).size(), 2u);
-  EXPECT_TRUE(dependence_figures(ReportData{}).empty());
-}
-
 }  // namespace
 
 // The figures besides those of alpha and v: trajectories, residuals, parameters, single runs.
@@ -242,27 +235,6 @@ TEST(ReportFigures, ARunOverTimeShowsWhereThePartWasLost) {
   ASSERT_EQ(f.panels[0].shapes.size(), 1u);
   EXPECT_NEAR(f.panels[0].shapes[0]["x0"].get<double>(), 200 / 250.0, 1e-12);
   EXPECT_NEAR(f.panels[0].shapes[0]["x1"].get<double>(), 203 / 250.0, 1e-12);
-  const DrawnPath left = path_of(f.panels[1].traces[0]);
-  double largest = 0, wanted = 0;
-  for (const double y : left.y)
-    if (std::isfinite(y)) largest = std::max(largest, y);
-  double mean = 0;
-  std::size_t count = 0;
-  const ReportRun& run = data.runs[7];
-  const std::vector<double>& x_mm = run.track.x_mm;
-  for (std::size_t i = 0; i < x_mm.size(); ++i)
-    if (std::isfinite(x_mm[i])) {
-      mean += 1000 * (x_mm[i] - run.model_x_mm[i]);
-      ++count;
-    }
-  mean /= static_cast<double>(count);
-  for (std::size_t i = 0; i < x_mm.size(); ++i)
-    if (std::isfinite(x_mm[i])) wanted = std::max(wanted, 1000 * (x_mm[i] - run.model_x_mm[i]) - mean);
-  EXPECT_NEAR(largest, wanted, 1e-9) << "the envelope lost the largest residual";
-}
-
-TEST(ReportFigures, ARunMeasuredElsewhereHasNone) {
-  EXPECT_TRUE(run_figures(sample::campaign(), 13).empty());
 }
 
 }  // namespace

@@ -129,22 +129,6 @@ TEST(NextSection, TheIntervalsPredictedStandUnderThoseOfNow) {
   EXPECT_LT(now, then);
 }
 
-TEST(NextSection, ARunBestForTwoParametersStandsOnce) {
-  ReportData data = sample::campaign();
-  data.fit.next_experiment = run(0.28e-3);
-  data.fit.other_next_experiments = {run(0.35e-3, fit::FitParameter::mu1),
-                                     run(0.35e-3, fit::FitParameter::lag)};
-  const std::string html = next_section(data).html;
-  EXPECT_THAT(html, HasSubstr("<b>μ<sub>1</sub> alone, lag alone</b>"));
-  EXPECT_EQ(occurrences(html, "<tr>"), 4u);  // heading, now, two runs
-}
-
-TEST(NextSection, IsLeftOutWhereNoneWasLookedFor) {
-  ReportData data = sample::campaign();
-  data.fit.next_experiment.reset();
-  EXPECT_EQ(next_section(data).html, "");
-}
-
 }  // namespace
 
 }  // namespace tribotrack::apps
