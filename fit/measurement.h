@@ -85,7 +85,6 @@ struct PlatformMotion {
   /// dw/dt seen, rad/s^2, from the quadratic part of the phase. The other values are those of constant w.
   std::optional<Estimate> frequency_drift;
   std::vector<Harmonic> harmonics;  ///< 2 and 3, where the frames resolve them
-  double noise_factor = 1;  ///< what the standard deviations were widened by for residuals beyond white sigma
   /// Relative, in the sds of both amplitudes: what an exposure that is not known can hide of them. All
   /// recordings of a camera share it.
   double exposure_doubt = 0;
