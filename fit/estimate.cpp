@@ -321,14 +321,7 @@ FitResult Estimation::assumed() {
   FitResult result = result_;
   const Minimum here = linearised(residuals_, minimum_);
   const Eigen::VectorXd values = unknowns_.values(fold_lag(unknowns_, minimum_.z));
-  const Eigen::MatrixXd covariance = uncertainty(unknowns_, values, here.at).covariance;
-  for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {
-    const double sd = std::sqrt(std::max(0.0, covariance(i, i)));
-    const FitParameter parameter = unknowns_.parameter(i);
-    result.as_assumed[parameter] = {
-        values(i), sd,
-        interval95(unknowns_.transform(i), parameter, values(i), sd, two_sided_quantile(kConfidence, 1e9))};
-  }
+  result.as_assumed = estimates_under(unknowns_, values, uncertainty(unknowns_, values, here.at).covariance);
   return result;
 }
 

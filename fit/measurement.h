@@ -85,8 +85,6 @@ struct PlatformMotion {
   /// dw/dt seen, rad/s^2, from the quadratic part of the phase. The other values are those of constant w.
   std::optional<Estimate> frequency_drift;
   std::vector<Harmonic> harmonics;  ///< 2 and 3, where the frames resolve them
-  double noise_factor =
-      1;  ///< factor by which the standard deviations were widened for residuals beyond white noise
   /// Relative, included in the sds of both amplitudes: what an unknown exposure can hide of them. All
   /// recordings of a camera share it.
   double exposure_doubt = 0;

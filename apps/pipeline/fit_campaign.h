@@ -24,7 +24,7 @@ struct FitChoices {
   fit::FitOptions fit;  ///< bootstrap, its seed, rivals
 };
 
-/// "squares", "huber", "cauchy".
+/// "squares", "huber".
 const std::vector<std::string>& losses();
 
 /// Throws InvalidInput for the first of more failed runs than are allowed (those that are allowed for are

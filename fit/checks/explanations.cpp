@@ -9,7 +9,6 @@
 #include "fit/checks/run_scatter.h"
 #include "fit/minimum/multi_start.h"
 #include "fit/tools/dense.h"
-#include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 #include "fit/uncertainty/covariance.h"
 #include "fit/variances/excess_variance.h"
@@ -159,7 +158,7 @@ class ScoreTests {
     found.size = 100 * scatter->relative;
     found.size_sd = found.size / std::sqrt(static_cast<double>(data));
     found.p_after = residuals_.p_value(scatter->chi2, 1);
-    put(values_, information_, unknowns_, found);
+    found.parameters = estimates_under(unknowns_, values_, information_);
     return std::pair(found, *scatter);
   }
 
@@ -185,7 +184,7 @@ class ScoreTests {
     found.refitted = true;
     if (found.name != "run_scatter") found.chi2_fall = best_.chi2 - minimum.chi2;
     found.p_after = residuals_.p_value(minimum.chi2, found.dof);
-    put(values, covariance, unknowns, found);
+    found.parameters = estimates_under(unknowns, values, covariance);
     if (candidate == nullptr) return;
     double square = 0, variance = 0, sum = 0;
     for (const FitParameter quantity : candidate->quantities) {
@@ -241,19 +240,9 @@ class ScoreTests {
     found.size_sd = std::sqrt(size.dot(covariance * size)) / std::max(size.norm(), 1e-300);
     found.p_after = residuals_.p_value(std::max(0.0, best_.chi2 - found.chi2_fall), found.dof);
     const Eigen::MatrixXd back = information_ * with.transpose();
-    put(values_.head(unknowns_.common()) - step_ - back * size,
-        information_ + back * covariance * back.transpose(), unknowns_, found);
+    found.parameters = estimates_under(unknowns_, values_.head(unknowns_.common()) - step_ - back * size,
+                                       information_ + back * covariance * back.transpose());
     return found;
-  }
-
-  static void put(const Eigen::VectorXd& values, const Eigen::MatrixXd& covariance, const Unknowns& unknowns,
-                  Explanation& found) {
-    const double t = two_sided_quantile(kConfidence, 1e9);
-    for (Eigen::Index i = 0; i < unknowns.reported(); ++i) {
-      const double sd = std::sqrt(std::max(0.0, covariance(i, i)));
-      found.parameters[unknowns.parameter(i)] = {
-          values(i), sd, interval95(unknowns.transform(i), unknowns.parameter(i), values(i), sd, t)};
-    }
   }
 
   /// In the candidate's unit. The prior's row is in its sd.

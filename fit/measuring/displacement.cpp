@@ -1,8 +1,9 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <sstream>
 #include <vector>
 
 #include "fit/measurement.h"
@@ -22,12 +23,11 @@ void check(const TrackTable& track, const Estimate& w, int cycles) {
   const std::size_t points = track.time.size();
   if (track.position.size() != points || track.covariance.size() != points)
     throw DataError("The track's columns have different lengths; track the recording again.");
-  if (!(w.value > 0) || !std::isfinite(w.value) || !(w.sd >= 0)) {
-    std::ostringstream text;
-    text << "The angular frequency is " << w.value << " rad/s; it must be positive: give "
-         << "angular_frequency_rad_s or track a marker.";
-    throw DataError(text.str());
-  }
+  if (!(w.value > 0) || !std::isfinite(w.value) || !(w.sd >= 0))
+    throw DataError(fmt::format(
+        "The angular frequency is {:g} rad/s; it must be positive: give angular_frequency_rad_s or track a "
+        "marker.",
+        w.value));
   if (cycles < 1) throw DataError("cycles = " + std::to_string(cycles) + "; at least 1 is needed.");
   for (std::size_t i = 1; i < points; ++i)
     if (!(track.time[i] > track.time[i - 1]))
@@ -108,10 +108,11 @@ Interpolated interpolate(const TrackTable& track, double time, double w, std::si
 }
 
 [[noreturn]] void refuse_short(double span, double period, double w) {
-  std::ostringstream text;
-  text << "The track covers " << span << " s, less than one platform cycle of " << period << " s (w = " << w
-       << " rad/s): analyse more frames, or check frame_rate_hz and angular_frequency_rad_s.";
-  throw DataError(text.str());
+  throw DataError(
+      fmt::format("The track covers {:g} s, less than one platform cycle of {:g} s (w = {:g} rad/s): analyse "
+                  "more frames, or "
+                  "check frame_rate_hz and angular_frequency_rad_s.",
+                  span, period, w));
 }
 
 }  // namespace

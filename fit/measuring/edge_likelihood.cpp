@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -95,36 +94,34 @@ struct Moments {
 /// Mean and sd within `reach` of `centre`, by the midpoint rule in a window that closes about what is likely.
 /// As long as its cells are wider than that they are looked at through a blur of their width.
 Moments integrate(const std::vector<EdgeFrame>& frames, double centre, double reach, double tau) {
-  constexpr int kPoints = 100, kMostRounds = 12;
+  constexpr int kRough = 100, kFine = 400, kMostRounds = 12;
   constexpr double kWindow = 7, kWide = 0.5;  // sd to either side; of a window that need not close further
-  Moments found;
+  const auto moments = [&](int points, bool blurred) {
+    const double cell = 2 * reach / points, from = centre - reach;
+    const LogLikelihood likelihood(frames, from, centre + reach, blurred ? std::max(tau, cell) : tau);
+    std::vector<double> log_values;
+    for (int k = 0; k < points; ++k) log_values.push_back(likelihood(from + cell * (k + 0.5)));
+    const double most = *std::max_element(log_values.begin(), log_values.end());
+    double weight = 0, first = 0, second = 0;
+    for (int k = 0; k < points; ++k) {
+      const double p = std::exp(log_values[static_cast<std::size_t>(k)] - most),
+                   at = cell * (k + 0.5) - reach;
+      weight += p;
+      first += p * at;
+      second += p * at * at;
+    }
+    const double mean = first / weight;
+    // Each point stands for its cell: its width belongs to the sum.
+    const double variance = std::max(0.0, second / weight - mean * mean) + cell * cell / 12;
+    return Moments{{centre + mean, std::sqrt(variance)}, most + std::log(weight * cell)};
+  };
   for (int round = 0; round < kMostRounds; ++round) {
-    const double cell = 2 * reach / kPoints, from = centre - reach;
-    const bool last = round + 1 == kMostRounds;
-    const auto moments = [&](double blur) {
-      const LogLikelihood likelihood(frames, from, centre + reach, blur);
-      double log_values[kPoints];
-      for (int k = 0; k < kPoints; ++k) log_values[k] = likelihood(from + cell * (k + 0.5));
-      const double most = *std::max_element(std::begin(log_values), std::end(log_values));
-      double weight = 0, first = 0, second = 0;
-      for (int k = 0; k < kPoints; ++k) {
-        const double p = std::exp(log_values[k] - most), at = cell * (k + 0.5) - reach;
-        weight += p;
-        first += p * at;
-        second += p * at * at;
-      }
-      const double mean = first / weight;
-      // Each point stands for its cell: its width belongs to the sum.
-      const double variance = std::max(0.0, second / weight - mean * mean) + cell * cell / 12;
-      return Moments{{centre + mean, std::sqrt(variance)}, most + std::log(weight * cell)};
-    };
-    found = moments(last ? tau : std::max(tau, cell));
-    const double next = kWindow * found.edge.sd;
-    if (last || next > kWide * reach) return moments(tau);
-    centre = found.edge.value;
-    reach = next;
+    const Estimate found = moments(kRough, true).edge;
+    if (kWindow * found.sd > kWide * reach) break;
+    centre = found.value;
+    reach = kWindow * found.sd;
   }
-  return found;
+  return moments(kFine, false);
 }
 
 }  // namespace

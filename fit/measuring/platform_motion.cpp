@@ -97,12 +97,9 @@ std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track) {
   if (!(fit.w > 0)) return std::nullopt;
 
   PlatformMotion motion;
-  motion.noise_factor = widen(fit, marker);
-  const internal::SineResiduals left = internal::analyse_residuals(marker, fit, motion.noise_factor);
-  if (left.near_w > kColoured * motion.noise_factor) {
-    fit.covariance *= left.near_w / motion.noise_factor;
-    motion.noise_factor = left.near_w;
-  }
+  const double white = widen(fit, marker);
+  const internal::SineResiduals left = internal::analyse_residuals(marker, fit, white);
+  if (left.near_w > kColoured * white) fit.covariance *= left.near_w / white;
   for (const Eigen::Index k : {2, 3, 6, 7}) fit.covariance(k, k) += left.repeating_variance;
   motion.frequency_drift = left.frequency_drift;
   motion.harmonics = left.harmonics;
@@ -146,8 +143,7 @@ std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track) {
 PlatformPicture picture_of(const TrackTable& track, const PlatformMotion& motion) {
   PlatformPicture picture;
   const double w = motion.angular_frequency.value, epsilon = motion.phase_shift.value;
-  const double half = 0.5 * w * track.exposure;
-  const double seen = half > 0 ? std::sin(half) / half : 1;
+  const double seen = seen_share(w, track.exposure);
   const double a = seen * motion.amplitude.value, b = seen * motion.amplitude_y.value;
   const auto at = [&](double wt) { return Eigen::Vector2d(a * std::cos(wt), b * std::cos(wt + epsilon)); };
   const auto slope = [&](double wt) {

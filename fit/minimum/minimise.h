@@ -16,6 +16,7 @@ struct Minimum {
   bool joined = false;           ///< stopped because it entered the basin of a known minimum
   bool far_from_linear = false;  ///< of minimise_linearised: the linear problem did not lead to it
   bool abandoned = false;        ///< stopped because it crawls far above a known minimum
+  int descents = 1;              ///< that ended in it
   Linearised at;                 ///< at z, as the descent saw it last; empty where the model has no motion
   /// Of another z, (z - this)' J'J (z - this): how much higher chi^2 would be there if the model were linear.
   double distance(const Unknowns& unknowns, const Eigen::VectorXd& other) const;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
 #include "fit/minimum/screen.h"
@@ -45,18 +44,18 @@ class Minima {
  public:
   explicit Minima(const Residuals& residuals) : residuals_(residuals) {}
 
-  void keep(const Minimum& minimum, int descents = 1) {
+  void keep(const Minimum& minimum) {
     if (!std::isfinite(minimum.chi2) || minimum.abandoned) return;
-    for (std::size_t i = 0; i < found_.size(); ++i)
-      if (same(residuals_.unknowns(), found_[i], minimum, residuals_.excess(found_[i].chi2))) {
-        hits_[i] += descents;
-        if (minimum.chi2 < found_[i].chi2 && !minimum.joined) found_[i] = linearised(residuals_, minimum);
+    for (Minimum& known : found_)
+      if (same(residuals_.unknowns(), known, minimum, residuals_.excess(known.chi2))) {
+        const int together = known.descents + minimum.descents;
+        if (minimum.chi2 < known.chi2 && !minimum.joined) known = linearised(residuals_, minimum);
+        known.descents = together;
         return;
       }
     found_.push_back(linearised(residuals_, minimum));
-    hits_.push_back(descents);
   }
-  /// From these places, in whose order they are kept.
+  /// From these places, in whose order they are kept; into each so many led before.
   void descend_from(const std::vector<Eigen::VectorXd>& places, int threads, Stage& told,
                     const std::vector<int>& descents = {}) {
     MinimiseOptions rough;
@@ -68,32 +67,22 @@ class Minima {
       ends[i] = minimise(residuals_, places[i], rough);
       told.done();
     });
-    for (std::size_t i = 0; i < ends.size(); ++i) keep(ends[i], descents.empty() ? 1 : descents[i]);
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      if (!descents.empty()) ends[i].descents = descents[i];
+      keep(ends[i]);
+    }
   }
   /// Best first. One in which pulses raise friction counts where there is no other.
   void sort() {
-    std::vector<std::size_t> order(found_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return found_[a].chi2 < found_[b].chi2; });
-    const auto raises = [&](std::size_t i) { return !admissible(residuals_.unknowns(), found_[i].z); };
-    if (!std::all_of(order.begin(), order.end(), raises)) std::erase_if(order, raises);
-    std::vector<Minimum> found;
-    std::vector<int> hits;
-    for (const std::size_t i : order) {
-      found.push_back(found_[i]);
-      hits.push_back(hits_[i]);
-    }
-    found_ = std::move(found);
-    hits_ = std::move(hits);
+    std::ranges::stable_sort(found_, {}, &Minimum::chi2);
+    const auto raises = [&](const Minimum& m) { return !admissible(residuals_.unknowns(), m.z); };
+    if (!std::ranges::all_of(found_, raises)) std::erase_if(found_, raises);
   }
   const std::vector<Minimum>& found() const { return found_; }
-  const std::vector<int>& hits() const { return hits_; }
 
  private:
   const Residuals& residuals_;
   std::vector<Minimum> found_;
-  std::vector<int> hits_;
 };
 
 /// So few summary runs that a fit to them is quick, the tracks, and what all share.
@@ -149,15 +138,18 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   Minima of_all(rough);
   if (many) {
     std::vector<Eigen::VectorXd> places;
-    for (const Minimum& minimum : minima.found()) places.push_back(minimum.z);
+    std::vector<int> descents;
+    for (const Minimum& minimum : minima.found()) {
+      places.push_back(minimum.z);
+      descents.push_back(minimum.descents);
+    }
     if (!places.empty()) rough.linearise(unknowns.values(places.front()));
     Stage refined(options, "minima", places.size());
-    of_all.descend_from(places, options.threads, refined, minima.hits());
+    of_all.descend_from(places, options.threads, refined, descents);
     of_all.sort();
   }
-  const Minima& found = many ? of_all : minima;
-  search.minima = found.found();
-  if (!search.minima.empty()) search.at_best = found.hits().front();
+  search.minima = (many ? of_all : minima).found();
+  if (!search.minima.empty()) search.at_best = search.minima.front().descents;
   return search;
 }
 

@@ -112,6 +112,18 @@ bool alike(const model::Scenario& a, const model::Scenario& b) {
          near(a.drive.angular_frequency, b.drive.angular_frequency);
 }
 
+/// As keep_representative() says.
+std::vector<std::size_t> representative(const std::vector<const model::Scenario*>& runs, std::size_t most) {
+  std::vector<std::size_t> chosen, rest;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const bool seen = std::ranges::any_of(chosen, [&](std::size_t k) { return alike(*runs[i], *runs[k]); });
+    (seen || chosen.size() == most ? rest : chosen).push_back(i);
+  }
+  const std::size_t more = std::min(rest.size(), most - chosen.size());
+  for (std::size_t i = 0; i < more; ++i) chosen.push_back(rest[i * rest.size() / more]);
+  return chosen;
+}
+
 std::vector<Look> looks(const Residuals& residuals) {
   const Problem& problem = residuals.unknowns().problem();
   std::vector<Look> all;
@@ -274,17 +286,6 @@ class Box {
 };
 
 }  // namespace
-
-std::vector<std::size_t> representative(const std::vector<const model::Scenario*>& runs, std::size_t most) {
-  std::vector<std::size_t> chosen, rest;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    const bool seen = std::ranges::any_of(chosen, [&](std::size_t k) { return alike(*runs[i], *runs[k]); });
-    (seen || chosen.size() == most ? rest : chosen).push_back(i);
-  }
-  const std::size_t more = std::min(rest.size(), most - chosen.size());
-  for (std::size_t i = 0; i < more; ++i) chosen.push_back(rest[i * rest.size() / more]);
-  return chosen;
-}
 
 void keep_representative(std::vector<SummaryRun>& runs, std::size_t most) {
   if (runs.size() <= most) return;

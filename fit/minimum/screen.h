@@ -17,14 +17,12 @@ struct ScreenedPoint {
 /// to 1.6 of the threshold, mu2 from 0.02 to 0.8 mu1); tilts +-0.3 deg; A, w and scale +-2 %; twice the sd
 /// where there is a prior. The lag of each is not searched but computed, over its full turn: turning the
 /// pulses by the lag turns the drift by as much (rotation law), so chi^2 is a trigonometric polynomial of
-/// it. Six runs are looked at (representative()); of a trajectory its displacement. 500 points, then twice as
-/// many while these show basins worth a descent that those before did not; at most 8000 where the batch model
-/// carries the drive in its lanes, else 2000.
+/// it. Six runs are looked at (keep_representative()); of a trajectory its displacement. 500 points, then
+/// twice as many while these show basins worth a descent that those before did not; at most 8000 where the
+/// batch model carries the drive in its lanes, else 2000.
 std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads);
 
-/// So many of them: one of every pulse width and drive first, then evenly over the others.
-std::vector<std::size_t> representative(const std::vector<const model::Scenario*>& runs, std::size_t most);
-/// The others leave.
+/// So many of them: one of every pulse width and drive first, then evenly over the others. The rest leave.
 void keep_representative(std::vector<SummaryRun>& runs, std::size_t most);
 
 /// How far above the best point one may lie in chi^2 that has a minimum as low near it: a neighbour in the

@@ -28,15 +28,10 @@ std::string pieces(const std::vector<Interval>& pieces, double factor, double sd
 }
 
 const char* identifiability_text(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::identifiable:
-      return "identifiable: the data determine every parameter";
-    case Verdict::weak:
-      return "weak: usable, but read the following";
-    case Verdict::not_identifiable:
-      return "NOT IDENTIFIABLE: do not use these numbers";
-  }
-  return "";
+  constexpr const char* kTexts[] = {"identifiable: the data determine every parameter",
+                                    "weak: usable, but read the following",
+                                    "NOT IDENTIFIABLE: do not use these numbers"};
+  return kTexts[static_cast<std::size_t>(verdict)];
 }
 
 std::string goodness(const FitResult& fit) {

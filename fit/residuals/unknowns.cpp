@@ -48,6 +48,11 @@ class Chain {
     }
     applied_.chain(row, *unknown) += derivative;
   }
+  /// What there is of a parameter, times a factor.
+  void scale(model::Parameter parameter, double factor) {
+    const auto place = std::ranges::find(applied_.wanted, parameter);
+    if (place != applied_.wanted.end()) applied_.chain.row(place - applied_.wanted.begin()) *= factor;
+  }
 
  private:
   AppliedScenario& applied_;
@@ -146,21 +151,9 @@ const NuisanceBlock* Unknowns::find(Nuisance kind, std::size_t run) const {
   return place == blocks.end() ? nullptr : &*place;
 }
 
-Eigen::VectorXd Unknowns::values(const Eigen::VectorXd& z) const {
+Eigen::VectorXd Unknowns::mapped(double (Transform::*by)(double) const, const Eigen::VectorXd& from) const {
   Eigen::VectorXd result(size());
-  for (Eigen::Index i = 0; i < size(); ++i) result(i) = transform(i).value(z(i));
-  return result;
-}
-
-Eigen::VectorXd Unknowns::z(const Eigen::VectorXd& values) const {
-  Eigen::VectorXd result(size());
-  for (Eigen::Index i = 0; i < size(); ++i) result(i) = transform(i).z(values(i));
-  return result;
-}
-
-Eigen::VectorXd Unknowns::slopes(const Eigen::VectorXd& z) const {
-  Eigen::VectorXd result(size());
-  for (Eigen::Index i = 0; i < size(); ++i) result(i) = transform(i).slope(z(i));
+  for (Eigen::Index i = 0; i < size(); ++i) result(i) = (transform(i).*by)(from(i));
   return result;
 }
 
@@ -373,13 +366,9 @@ void Unknowns::change_friction(const Eigen::VectorXd& values, double course, boo
   friction.nominal = mu1 * worn;
   friction.reduced = mu2 * worn * heated;
   if (!derivatives) return;
-  const auto rows_of = [&](model::Parameter parameter, double factor) {
-    const auto place = std::find(applied.wanted.begin(), applied.wanted.end(), parameter);
-    if (place != applied.wanted.end()) applied.chain.row(place - applied.wanted.begin()) *= factor;
-  };
-  rows_of(model::Parameter::mu1, worn);
-  rows_of(model::Parameter::mu2, worn * heated);
   Chain chain(applied);
+  chain.scale(model::Parameter::mu1, worn);
+  chain.scale(model::Parameter::mu2, worn * heated);
   chain.add(model::Parameter::mu1, by_course, mu1 * worn * course);
   if (!(friction.pulse_width > 0)) return;
   chain.add(model::Parameter::mu2, by_course, friction.reduced * course);
@@ -419,14 +408,10 @@ void Unknowns::apply_slope(const Eigen::VectorXd& values, const TrajectoryRun& s
   lay_on_incline(theta, slide.downhill, applied);
   if (!derivatives) return;
   // The plane's own slope stands for the platform's tilt.
-  const auto rows_of = [&](model::Parameter parameter, double factor) {
-    const auto place = std::find(applied.wanted.begin(), applied.wanted.end(), parameter);
-    if (place != applied.wanted.end()) applied.chain.row(place - applied.wanted.begin()) *= factor;
-  };
-  rows_of(model::Parameter::gravity, std::cos(theta));
-  rows_of(model::Parameter::tilt_x, 0);
-  rows_of(model::Parameter::tilt_y, 0);
   Chain chain(applied);
+  chain.scale(model::Parameter::gravity, std::cos(theta));
+  chain.scale(model::Parameter::tilt_x, 0);
+  chain.scale(model::Parameter::tilt_y, 0);
   const auto unknown = find(FitParameter::slope);
   const double steeper = 1 / (std::cos(theta) * std::cos(theta));  // d tan(theta) / d theta
   const model::Drive& drive = applied.scenario.drive;
@@ -483,12 +468,7 @@ AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::s
 
 std::optional<double> Unknowns::sliding_threshold() const {
   if (!(amplitude_ > 0)) return std::nullopt;
-  double gravity = 9.81;
-  if (!problem_->summary_runs.empty())
-    gravity = problem_->summary_runs.front().scenario.drive.gravity;
-  else if (!problem_->trajectory_runs.empty())
-    gravity = problem_->trajectory_runs.front().scenario.drive.gravity;
-  return amplitude_ * frequency_ * frequency_ / gravity;
+  return amplitude_ * frequency_ * frequency_ / gravity_;
 }
 
 }  // namespace tribotrack::fit::internal

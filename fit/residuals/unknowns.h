@@ -64,9 +64,9 @@ class Unknowns {
   /// All that the run has.
   Range own(std::size_t trajectory_run) const { return own_[trajectory_run]; }
 
-  Eigen::VectorXd values(const Eigen::VectorXd& z) const;
-  Eigen::VectorXd z(const Eigen::VectorXd& values) const;
-  Eigen::VectorXd slopes(const Eigen::VectorXd& z) const;
+  Eigen::VectorXd values(const Eigen::VectorXd& z) const { return mapped(&Transform::value, z); }
+  Eigen::VectorXd z(const Eigen::VectorXd& values) const { return mapped(&Transform::z, values); }
+  Eigen::VectorXd slopes(const Eigen::VectorXd& z) const { return mapped(&Transform::slope, z); }
   const Transform& transform(Eigen::Index i) const { return transforms_[static_cast<std::size_t>(i)]; }
   /// Values of a problem with the same trajectory runs, whose unknowns may be others: those it does not have
   /// are as given.
@@ -104,6 +104,7 @@ class Unknowns {
   const Problem& problem() const { return *problem_; }
 
  private:
+  Eigen::VectorXd mapped(double (Transform::*by)(double) const, const Eigen::VectorXd& from) const;
   AppliedScenario apply_free_slide(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
   void apply_slope(const Eigen::VectorXd& values, const TrajectoryRun& slide, bool derivatives,
                    AppliedScenario& applied) const;

@@ -2,20 +2,18 @@
 #pragma once
 
 #include <cstddef>
-#include <utility>
 
 #include "fit/track_table.h"
 
 namespace tribotrack::fit::internal {
 
-/// Every `every`-th of the points [first, last).
-inline TrackTable part_of(const TrackTable& track, std::size_t first, std::size_t last,
-                          std::size_t every = 1) {
+/// The points [first, last).
+inline TrackTable part_of(const TrackTable& track, std::size_t first, std::size_t last) {
   TrackTable part = track;
   const auto keep = [&](auto& column) {
     if (column.size() < last) return;
-    const auto all = std::exchange(column, {});
-    for (std::size_t i = first; i < last; i += every) column.push_back(all[i]);
+    column.erase(column.begin() + static_cast<std::ptrdiff_t>(last), column.end());
+    column.erase(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(first));
   };
   keep(part.frame);
   keep(part.time);

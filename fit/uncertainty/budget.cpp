@@ -19,6 +19,7 @@ constexpr const char* kScatter = "scatter between runs";
 constexpr const char* kSpin = "spin of slides";
 constexpr const char* kSlides = "differences between slides";
 constexpr const char* kStartPhase = "phase at the start of single runs";
+constexpr const char* kExact = "taken as exact";
 /// A contribution below this share of every sd is not worth a line.
 constexpr double kNegligible = 1e-3;
 
@@ -59,6 +60,13 @@ double assumed_error(FitParameter quantity, double value) {
     default:
       return 0.01 * std::abs(value);
   }
+}
+
+/// From one quantity with so large an error.
+BudgetEntry of_quantity(FitParameter quantity, double sd, const std::string& from,
+                        const Eigen::VectorXd& sensitivity) {
+  return {source_name(quantity), to_string(quantity),         sd,         from,
+          from != kExact,        sensitivity.cwiseAbs() * sd, sensitivity};
 }
 
 class Sources {
@@ -103,35 +111,23 @@ class Sources {
     std::vector<BudgetEntry> entries;
     if (!at) return entries;
     for (const FitParameter quantity : exact) {
-      BudgetEntry entry;
-      entry.source = source_name(quantity);
-      entry.quantity = to_string(quantity);
-      entry.sd = assumed_error(quantity, wide.as_given(quantity));
-      entry.from = "taken as exact";
-      entry.counted = false;
-      entry.sensitivity = Eigen::VectorXd::Zero(n_);
+      Eigen::VectorXd sensitivity = Eigen::VectorXd::Zero(n_);
       for (std::size_t g = 0; g < by_rows_.size(); ++g) {
         // Without the prior of the quantity, which stands in the first group behind the data.
         const Eigen::Index rows = g == 0 ? data_rows() : by_rows_[g].cols();
-        entry.sensitivity +=
-            by_rows_[g].leftCols(rows) * at->groups[g].shared.col(*wide.find(quantity)).head(rows);
+        sensitivity += by_rows_[g].leftCols(rows) * at->groups[g].shared.col(*wide.find(quantity)).head(rows);
       }
-      entry.contribution = entry.sensitivity.cwiseAbs() * entry.sd;
+      const BudgetEntry entry =
+          of_quantity(quantity, assumed_error(quantity, wide.as_given(quantity)), kExact, sensitivity);
       if (!negligible(entry.contribution)) entries.push_back(entry);
     }
     for (const auto& [quantity, name] : problem_.exact) {
       const auto unknown = unknowns_.find(quantity);
       if (!unknown || *unknown < n_) continue;
       const double sd = unknowns_.prior(*unknown)->sd;
-      BudgetEntry entry;
-      entry.source = source_name(quantity) + " by " + name;
-      entry.quantity = to_string(quantity);
-      entry.sd = assumed_error(quantity, unknowns_.as_given(quantity));
-      entry.from = "taken as exact";
-      entry.counted = false;
-      entry.sensitivity = uncertainty_.shared.col(*unknown).head(n_) / (sd * sd);
-      entry.contribution = entry.sensitivity.cwiseAbs() * entry.sd;
-      entries.push_back(entry);
+      entries.push_back(of_quantity(quantity, assumed_error(quantity, unknowns_.as_given(quantity)), kExact,
+                                    uncertainty_.shared.col(*unknown).head(n_) / (sd * sd)));
+      entries.back().source += " by " + name;
     }
     return entries;
   }
@@ -240,14 +236,7 @@ class Sources {
       const FitParameter quantity = unknowns_.parameter(i);
       const Eigen::VectorXd by_value = uncertainty_.shared.col(i).head(n_) / (prior->sd * prior->sd);
       const auto place = [&](double sd, const std::string& from) {
-        BudgetEntry entry;
-        entry.source = source_name(quantity);
-        entry.quantity = to_string(quantity);
-        entry.sd = sd;
-        entry.from = from;
-        entry.sensitivity = by_value;
-        entry.contribution = by_value.cwiseAbs() * sd;
-        entries_.push_back(entry);
+        entries_.push_back(of_quantity(quantity, sd, from, by_value));
       };
       if (problem_.prior.count(quantity) > 0)
         place(prior->sd, "[fit.prior]");

@@ -9,6 +9,8 @@
 
 #include "fit/tools/dense.h"
 #include "fit/tools/stage_progress.h"
+#include "fit/tools/statistics.h"
+#include "fit/tools/thresholds.h"
 #include "fit/variances/reweighted_fit.h"
 #include "model/alpha_v.h"
 #include "model/parallel.h"
@@ -124,6 +126,18 @@ Interval interval95(const Transform& transform, FitParameter parameter, double v
   const double low = value - t * sd;
   const bool cut = parameter == FitParameter::mu1 || parameter == FitParameter::mu2;
   return {cut ? std::max(0.0, low) : low, cut ? std::max(0.0, value + t * sd) : value + t * sd};
+}
+
+std::map<FitParameter, EstimateUnder> estimates_under(const Unknowns& unknowns, const Eigen::VectorXd& values,
+                                                      const Eigen::MatrixXd& covariance) {
+  const double t = two_sided_quantile(kConfidence, std::numeric_limits<double>::infinity());
+  std::map<FitParameter, EstimateUnder> estimates;
+  for (Eigen::Index i = 0; i < unknowns.reported(); ++i) {
+    const double sd = std::sqrt(std::max(0.0, covariance(i, i)));
+    const FitParameter parameter = unknowns.parameter(i);
+    estimates[parameter] = {values(i), sd, interval95(unknowns.transform(i), parameter, values(i), sd, t)};
+  }
+  return estimates;
 }
 
 namespace {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <vector>
 
 #include "fit/estimate.h"
@@ -38,6 +39,10 @@ Eigen::MatrixXd influence_of_runs(const Residuals& residuals, const Minimum& bes
 /// From the sd and the two-sided quantile t: value exp(-+ t sd/value) on the axis of the logarithm, value -+
 /// t sd on a linear one, which of the two as ParameterEstimate::ci95 states.
 Interval interval95(const Transform& transform, FitParameter parameter, double value, double sd, double t);
+
+/// Reported parameters with intervals by the normal distribution; `covariance`: theirs first.
+std::map<FitParameter, EstimateUnder> estimates_under(const Unknowns& unknowns, const Eigen::VectorXd& values,
+                                                      const Eigen::MatrixXd& covariance);
 
 // Intervals by refitting simulated data.
 

@@ -252,6 +252,12 @@ class Pieces {
   std::vector<Interval> pieces_;
 };
 
+/// Whole range, in one piece: nothing is excluded.
+Profile open_profile() {
+  return {{{-kInfinity, kInfinity}}, {}, std::nullopt};
+}
+
+/// `settled`: a point below the minimum counts as at it.
 class ParameterProfile {
  public:
   ParameterProfile(const Residuals& residuals, const std::vector<Minimum>& minima, Eigen::Index parameter,
@@ -375,17 +381,6 @@ class ParameterProfile {
 
 }  // namespace
 
-Profile open_profile() {
-  return {{{-kInfinity, kInfinity}}, {}, std::nullopt};
-}
-
-Profile profile(const Residuals& residuals, const std::vector<Minimum>& minima,
-                const std::vector<ScreenedPoint>& sample, Eigen::Index parameter, double rise, bool settled) {
-  ParameterProfile profile(residuals, minima, parameter, rise, settled);
-  profile.look_between(sample);
-  return profile.result();
-}
-
 std::vector<Profile> profiles(const Residuals& residuals, std::vector<Minimum>& minima,
                               const std::vector<ScreenedPoint>& sample, const std::vector<bool>& open,
                               const std::vector<double>& rises, int threads) {
@@ -396,8 +391,10 @@ std::vector<Profile> profiles(const Residuals& residuals, std::vector<Minimum>& 
   for (int restart = 0;; ++restart) {
     std::vector<Profile> found(n, open_profile());
     parallel_for(n, threads, [&](std::size_t i) {
-      if (!open[i])
-        found[i] = profile(rough, minima, sample, static_cast<Eigen::Index>(i), rises[i], settled);
+      if (open[i]) return;
+      ParameterProfile profile(rough, minima, static_cast<Eigen::Index>(i), rises[i], settled);
+      profile.look_between(sample);
+      found[i] = profile.result();
     });
     const Profile* better = nullptr;
     for (const Profile& one : found)

@@ -22,20 +22,12 @@ struct Profile {
   std::optional<Minimum> better;          ///< a point below the minimum: the fit must start again from there
 };
 
-/// Whole range, in one piece: nothing is excluded.
-Profile open_profile();
-
-/// Where min over all other unknowns of chi^2 is within `rise` of `minima.front()` (3.84 for 95 %), every
-/// point re-optimised from its neighbour's solution. Ends that are not reached within the parameter's range
-/// (half a turn for the lag, a factor of ten for scales, mu up to 10) are infinite; 0 for a mu that may be 0.
-/// Pieces of the lag lie within half a turn of the estimate. `settled`: a point below the minimum counts as
-/// at it.
-Profile profile(const Residuals& residuals, const std::vector<Minimum>& minima,
-                const std::vector<ScreenedPoint>& sample, Eigen::Index parameter, double rise,
-                bool settled = false);
-
-/// Profiles of all reported parameters but the `open` ones, whose intervals have no ends. A point below the
-/// minimum restarts them from there (three times at most); `minima.front()` is then the better one.
+/// Of each reported parameter: where min over all other unknowns of chi^2 is within its rise of
+/// `minima.front()` (3.84 for 95 %), every point re-optimised from its neighbour's solution. Ends that are
+/// not reached within the parameter's range (half a turn for the lag, a factor of ten for scales, mu up to
+/// 10) are infinite; 0 for a mu that may be 0. Pieces of the lag lie within half a turn of the estimate. The
+/// `open` ones have no ends. A point below the minimum restarts all from there (three times at most);
+/// `minima.front()` is then the better one.
 std::vector<Profile> profiles(const Residuals& residuals, std::vector<Minimum>& minima,
                               const std::vector<ScreenedPoint>& sample, const std::vector<bool>& open,
                               const std::vector<double>& rises, int threads);
