@@ -211,7 +211,6 @@ TEST(GroundMotionCampaign, DISABLED_SomethingThatCrossesIsLeftOut) {
   const GroundMotion motion = followed(s, std::move(pictures));
   ASSERT_FALSE(motion.frames.empty()) << motion.verdict.reason;
   expect_right(errors_of(motion, s), s);
-  EXPECT_GT(motion.frames[50]->trimmed_share, 0.004);
 }
 
 TEST(GroundMotion, AGlanceTellsRestFromMotion) {

@@ -287,7 +287,6 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   fix.covariance = inverse.topLeftCorner<2, 2>();
   fix.slope_variance = 0.5 * (inverse(kSlopeX, kSlopeX) + inverse(kSlopeY, kSlopeY)) / (s.gain * s.gain);
   const CorrelationSums& c = sums.correlation;
-  fix.pixels = c.w;
   fix.chi_squared = sums.squares / std::max(1.0, c.w);
   const double variances = (c.vv - c.v * c.v / c.w) * (c.ll - c.l * c.l / c.w);
   fix.ncc = variances > 0 ? (c.vl - c.v * c.l / c.w) / std::sqrt(variances) : 0;
