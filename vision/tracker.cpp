@@ -118,7 +118,7 @@ class Tracking {
 
 /// The frames that are read several times before the tracking begins.
 void Tracking::cache_first_frames(std::int64_t first) {
-  constexpr int kFrames = std::max(kCameraFrames, TemplateAverageOptions{}.frames);
+  constexpr int kFrames = std::max(kCameraFrames, kAveragedFrames);
   for (std::int64_t k = first; k <= std::min(range_.last, first + kFrames - 1); ++k)
     cache_.keep(k, cache_.bounds());
 }

@@ -83,9 +83,7 @@ void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
   const double noise = std::sqrt(noise_variance);
   setup.ground_texture = ground_texture(first, setup.disc, setup.disc_blur, noise_variance);
   const bool beyond_rim = !(setup.ground_texture > kTextureFactor * noise);
-  DiscPatternOptions mask;
-  mask.margin_px = beyond_rim ? 3 : 0;
-  setup.pattern = disc_pattern(first, setup.disc, mask);
+  setup.pattern = disc_pattern(first, setup.disc, beyond_rim ? 3 : 0);
   setup.plan.push_back(mask_stage(beyond_rim, setup.ground_texture, noise));
 }
 

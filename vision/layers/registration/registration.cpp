@@ -52,10 +52,8 @@ void LayeredRegistration::choose_pixels(const PartPictures& part, double frames)
       y.at(i, j) /= sd;
       inside.at(i, j) = std::hypot(i - half_, j - half_) <= half_ - 1 ? 1.0F : 0.0F;
     }
-  InformativeOptions options;
   const InterpolationNoise noise = quintic_noise(0);
-  options.noise_square = 2 * noise.slope * noise.value / frames;
-  const Picture chosen = informative_pixels(x, y, inside, options);
+  const Picture chosen = informative_pixels(x, y, inside, 2 * noise.slope * noise.value / frames);
   places_ = cover_with_tiles(chosen);
   const std::size_t n = places_.size() * kTilePixels;
   mask_.assign(n, 0);
