@@ -185,20 +185,6 @@ TEST(LayeredStage, RestingPlatformNeedsNoMarker) {
   EXPECT_LT(e.drift, 0.005);
 }
 
-TEST(LayeredStageCampaign, DISABLED_MovingPlatformWithoutMarkerIsFollowedByItsGround) {
-  SlidingScene s;
-  s.scene.height = 320;  // ground enough to be seen
-  s.scene.marker.reset();
-  SceneSource source(s);
-  const TrackResult result = track(source, {});
-  EXPECT_TRUE(result.track.has_marker);
-  EXPECT_TRUE(result.summary.layered);
-  const TrackErrors e = report("no marker", result, s, s.bound());
-  EXPECT_LT(e.rms, 1.1 * s.bound());
-  EXPECT_GT(e.standardised, 0.9);
-  EXPECT_LT(e.standardised, 1.1);
-}
-
 // The ground then stands in what the pictures leave unexplained: wider, and said so.
 TEST(LayeredStageCampaign, DISABLED_MovingGroundThatNobodyFollowsWidensTheStandardDeviations) {
   SlidingScene s;
@@ -246,15 +232,6 @@ TEST(LayeredStage, RecordingIsReadABoundedNumberOfTimes) {
   track(source, options);
   // Thrice by the pictures, eight times by the edge.
   EXPECT_LE(source.reads() - first_pass, first_pass + 11 * s.frames);
-}
-
-TEST(LayeredStage, MarkerIsNotTakenForTheDisc) {
-  SlidingScene s;
-  s.frames = 4;
-  s.scene.marker = MarkerAppearance{{22, 30}, 14, 20, 250};
-  SceneSource source(s);
-  const TrackResult result = track(source, with_marker(s));
-  EXPECT_NEAR(result.summary.disc.radius, 30, 0.2);
 }
 
 }  // namespace
