@@ -18,7 +18,6 @@
 #include "vision/layers/stage.h"
 #include "vision/rotation/rotation_track.h"
 #include "vision/stages/stage_clock.h"
-#include "vision/tracking/camera_check.h"
 #include "vision/tracking/first_pass.h"
 #include "vision/tracking/notes.h"
 

@@ -6,7 +6,6 @@
 
 #include "vision/tracking/gate_lamp.h"
 #include "vision/tracking/notes.h"
-#include "vision/tracking/pictures.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -11,9 +11,7 @@
 #include "vision/following/template_average.h"
 #include "vision/io/levels.h"
 #include "vision/registration/registration.h"
-#include "vision/tracking/camera_check.h"
 #include "vision/tracking/notes.h"
-#include "vision/tracking/pictures.h"
 
 namespace tribotrack::vision {
 namespace {
