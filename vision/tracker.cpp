@@ -18,7 +18,6 @@
 #include "vision/layers/stage.h"
 #include "vision/rotation/rotation_track.h"
 #include "vision/stages/stage_clock.h"
-#include "vision/tracking/camera_check.h"
 #include "vision/tracking/first_pass.h"
 #include "vision/tracking/notes.h"
 
@@ -118,7 +117,7 @@ class Tracking {
 
 /// The frames that are read several times before the tracking begins.
 void Tracking::cache_first_frames(std::int64_t first) {
-  constexpr int kFrames = std::max(kCameraFrames, TemplateAverageOptions{}.frames);
+  constexpr int kFrames = std::max(kCameraFrames, kAveragedFrames);
   for (std::int64_t k = first; k <= std::min(range_.last, first + kFrames - 1); ++k)
     cache_.keep(k, cache_.bounds());
 }

@@ -42,6 +42,27 @@ void audit_coordinate(const std::vector<TrackStretch>& parts, Audit& out) {
   out.white_factor = std::max(out.white_factor, supported(found->noise));
 }
 
+/// One sentence where a ratio exceeds 1.3, else empty.
+std::string audit_warning(const Audit& found) {
+  std::vector<std::string> findings;
+  const auto add = [&](const std::optional<double>& ratio, const char* what) {
+    if (ratio && *ratio > kWorthSaying) findings.push_back(fmt::format(fmt::runtime(what), *ratio));
+  };
+  add(found.halves_x, "the left and the right half of the part disagree {:.2f} times as much");
+  add(found.halves_y, "the top and the bottom half disagree {:.2f} times as much");
+  add(found.high_frequency, "positions scatter from frame to frame {:.2f} times as much");
+  if (findings.empty()) return {};
+  std::string text = fmt::format(
+      "audit: {} as tracking's model of the pictures predicts: they hold something that it does not (coding, "
+      "light, something over the part)",
+      fmt::join(findings, "; "));
+  if (found.white_factor > 1)
+    text += fmt::format("; standard deviations are widened by {:.2f}", std::sqrt(found.white_factor));
+  if (found.slow_sd > 0)
+    text += fmt::format("; {:.4f} px that change over {:.2g} s are added", found.slow_sd, found.slow_time);
+  return text;
+}
+
 }  // namespace
 
 Audit audit(const std::vector<AuditFrame>& frames, const Track& track) {
@@ -66,26 +87,6 @@ void apply(const Audit& found, Track& track, TrackSummary& summary) {
   summary.audit = found;
   if (std::string warning = audit_warning(found); !warning.empty())
     summary.warnings.push_back(std::move(warning));
-}
-
-std::string audit_warning(const Audit& found) {
-  std::vector<std::string> findings;
-  const auto add = [&](const std::optional<double>& ratio, const char* what) {
-    if (ratio && *ratio > kWorthSaying) findings.push_back(fmt::format(fmt::runtime(what), *ratio));
-  };
-  add(found.halves_x, "the left and the right half of the part disagree {:.2f} times as much");
-  add(found.halves_y, "the top and the bottom half disagree {:.2f} times as much");
-  add(found.high_frequency, "positions scatter from frame to frame {:.2f} times as much");
-  if (findings.empty()) return {};
-  std::string text = fmt::format(
-      "audit: {} as tracking's model of the pictures predicts: they hold something that it does not (coding, "
-      "light, something over the part)",
-      fmt::join(findings, "; "));
-  if (found.white_factor > 1)
-    text += fmt::format("; standard deviations are widened by {:.2f}", std::sqrt(found.white_factor));
-  if (found.slow_sd > 0)
-    text += fmt::format("; {:.4f} px that change over {:.2g} s are added", found.slow_sd, found.slow_time);
-  return text;
 }
 
 }  // namespace tribotrack::vision

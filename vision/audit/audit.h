@@ -6,7 +6,6 @@
 // An error that all pixels share and that is slow shows in none of them.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "vision/audit/halves.h"
@@ -20,8 +19,5 @@ Audit audit(const std::vector<AuditFrame>& frames, const Track& track);
 /// Nothing reports less than the audit finds: widens the covariances of ok points and what the summary says
 /// of slow errors, and keeps the audit there, with a warning where it calls for one.
 void apply(const Audit& found, Track& track, TrackSummary& summary);
-
-/// One sentence where a ratio exceeds 1.3, else empty.
-std::string audit_warning(const Audit& found);
 
 }  // namespace tribotrack::vision

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <limits>
 
 #include "vision/kernels/median.h"
@@ -243,10 +242,8 @@ std::vector<AuditRun> audit_runs(std::int64_t first, std::int64_t total) {
 }
 
 bool in_audit(const std::vector<AuditRun>& runs, std::int64_t index) {
-  const auto after =
-      std::upper_bound(runs.begin(), runs.end(), index,
-                       [](std::int64_t frame, const AuditRun& run) { return frame < run.first; });
-  return after != runs.begin() && index <= std::prev(after)->last;
+  return std::ranges::any_of(runs,
+                             [&](const AuditRun& run) { return run.first <= index && index <= run.last; });
 }
 
 }  // namespace tribotrack::vision

@@ -148,6 +148,23 @@ class Means {
   std::map<char, CodedErrors::OfType> types_;
 };
 
+/// One sentence for a person.
+std::string coding_warning(const CodedErrors& errors) {
+  if (!(errors.added_sd > 0)) return {};
+  if (!(errors.step > 0))
+    return fmt::format(
+        "coded as {}, which does not tell how: {:.4f} px that change over {:.2g} s are added to the standard "
+        "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
+        errors.coder, errors.added_sd, errors.slow_time);
+  return fmt::format(
+      "coded by {}: {:.0f} % of the rim is predicted from the same place of another frame, where the part "
+      "can "
+      "move by {:.3f} px unnoticed; {:.4f} px that change over {:.2g} s are added to the standard "
+      "deviations. "
+      "Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
+      errors.coder, 100 * errors.still, errors.unnoticed, errors.added_sd, errors.slow_time);
+}
+
 }  // namespace
 
 double displacement_differs(const Track& track, const Track& other) {
@@ -204,22 +221,6 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
   if (std::string warning = coding_warning(found); !warning.empty())
     summary.warnings.push_back(std::move(warning));
   summary.coded = std::move(found);
-}
-
-std::string coding_warning(const CodedErrors& errors) {
-  if (!(errors.added_sd > 0)) return {};
-  if (!(errors.step > 0))
-    return fmt::format(
-        "coded as {}, which does not tell how: {:.4f} px that change over {:.2g} s are added to the standard "
-        "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
-        errors.coder, errors.added_sd, errors.slow_time);
-  return fmt::format(
-      "coded by {}: {:.0f} % of the rim is predicted from the same place of another frame, where the part "
-      "can "
-      "move by {:.3f} px unnoticed; {:.4f} px that change over {:.2g} s are added to the standard "
-      "deviations. "
-      "Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
-      errors.coder, 100 * errors.still, errors.unnoticed, errors.added_sd, errors.slow_time);
 }
 
 namespace {

@@ -46,7 +46,4 @@ double displacement_differs(const Track& track, const Track& other);
 /// Widens the covariances of ok points; fills what is known of the coding.
 void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summary);
 
-/// One sentence for a person.
-std::string coding_warning(const CodedErrors& errors);
-
 }  // namespace tribotrack::vision

@@ -152,14 +152,16 @@ double distance(const Circle& a, const Circle& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-}  // namespace
-
+/// As large, to a quarter, and seen nearly as well; or as large to a tenth, of the same contrast and seen at
+/// all (a neighbour may touch its rim).
 bool alike(const DiscFit& other, const DiscFit& part) {
   const double size = ratio(other.circle.radius, part.circle.radius);
   if (size > kAsLarge && other.score > kSeenAsWell * part.score) return true;
   return size > kSameSize && ratio(other.contrast, part.contrast) > kSameContrast &&
          other.score > kSeen * part.score;
 }
+
+}  // namespace
 
 std::vector<Circle> discs_alike(std::span<const DiscFit> found, const DiscFit& part) {
   std::vector<Circle> out{part.circle};

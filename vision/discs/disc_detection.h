@@ -70,10 +70,6 @@ bool shows_disc(const Picture& picture, const DiscSearch& search);
 
 inline constexpr double kAsLarge = 0.75;  ///< ratio of the radii of discs that are alike, at least
 
-/// As large, to a quarter, and seen nearly as well; or as large to a tenth, of the same contrast and seen at
-/// all (a neighbour may touch its rim).
-bool alike(const DiscFit& other, const DiscFit& part);
-
 /// `part` and the others that are alike, from left to right; what lies within the part's rim is not another.
 std::vector<Circle> discs_alike(std::span<const DiscFit> found, const DiscFit& part);
 

@@ -26,6 +26,18 @@ constexpr int kIterations = 12, kReweightings = 4;
 constexpr double kSettled = 1e-3;  ///< px: a tenth of what the best rims tell
 constexpr double kContext = 8;     ///< px for the spline
 
+/// Sectors about 4.5 px long.
+int rim_sector_count(double radius) {
+  return std::clamp(static_cast<int>(std::lround(2 * kPi * radius / kSectorLength)), kFewestSectors,
+                    kMostSectors);
+}
+
+/// Unit vector towards the middle of a sector; they follow each other by growing angle from the direction -x.
+Point sector_direction(int sector, int count) {
+  const double angle = 2 * kPi * ((sector + 0.5) / count - 0.5);
+  return {std::cos(angle), std::sin(angle)};
+}
+
 struct Edge {
   bool seen = false;
   double step = 0, displacement = 0, information = 0;
@@ -209,16 +221,6 @@ RimSectors SectorFit::result() const {
 }
 
 }  // namespace
-
-int rim_sector_count(double radius) {
-  return std::clamp(static_cast<int>(std::lround(2 * kPi * radius / kSectorLength)), kFewestSectors,
-                    kMostSectors);
-}
-
-Point sector_direction(int sector, int count) {
-  const double angle = 2 * kPi * ((sector + 0.5) / count - 0.5);
-  return {std::cos(angle), std::sin(angle)};
-}
 
 std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circle& start, double blur) {
   if (!(start.radius >= 2)) return std::nullopt;

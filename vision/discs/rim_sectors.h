@@ -37,12 +37,6 @@ struct RimSectors {
   double residual_rms = 0;  ///< what the edges leave of them, grey levels
 };
 
-/// Sectors about 4.5 px long.
-int rim_sector_count(double radius);
-
-/// Unit vector towards the middle of a sector.
-Point sector_direction(int sector, int count);
-
 /// The rim about `start`, whose centre is known to about twice the blur. nullopt where less than half of it
 /// is seen, or the circle walks away from the start.
 std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circle& start, double blur);

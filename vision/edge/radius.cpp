@@ -18,6 +18,8 @@ constexpr int kBeyondSeen = 4;     ///< px beyond the widest chamfer that are lo
 constexpr double kBorder = 8;      ///< px about the disc that its fit sees, or that an interpolation takes
 constexpr double kCapture = 1;     ///< px; the track is far better
 constexpr double kWhole = 0.8;     ///< of the rim; what covers more shows in the radius
+/// Of the blur: what the edge's model, of one Gaussian, makes of frames that are smeared by different motion.
+constexpr double kSmears = 0.005;
 constexpr double kTransfer = 2.2;  ///< the light's exponent in stored levels, inverted
 constexpr double kOfBlur = 0.5;    ///< what the likelihood of fields that are not Gaussian leaves of an edge
 
@@ -103,6 +105,7 @@ std::optional<DiscFit> seen_edge(FrameSource& source, const std::vector<FirstPas
   const double middle = half;
   auto fit = fit_disc(mean, {middle, middle, radius}, kCapture, RimUse::mean_radius);
   if (!fit || fit->coverage < kWhole) return std::nullopt;
+  fit->radius_sd = std::hypot(fit->radius_sd, kSmears * fit->blur);
   if (!source.info().colour) return fit;
   const double shift = stored_shift(*fit, source.info().black_level.value_or(0)) * fit->blur;
   fit->circle.radius -= 0.5 * shift;

@@ -81,8 +81,9 @@ std::vector<Point> Distractors::unexplained(const std::vector<Point>& candidates
 
 namespace {
 
-constexpr int kSurroundings = 4;  ///< px around the template that its spline looks at
-constexpr int kBorder = 8;        ///< more of each frame, so that its own spline is good there
+constexpr double kScoreShare = 0.985;  ///< of the matches' median score: lower ones show something else
+constexpr int kSurroundings = 4;       ///< px around the template that its spline looks at
+constexpr int kBorder = 8;             ///< more of each frame, so that its own spline is good there
 
 struct Seen {
   std::int64_t index;
@@ -91,11 +92,11 @@ struct Seen {
 };
 
 std::vector<Seen> follow_some(FrameSource& source, const Picture& first, std::int64_t index,
-                              std::int64_t last, const Pattern& pattern, FollowOptions follow, int frames) {
+                              std::int64_t last, const Pattern& pattern, FollowOptions follow) {
   follow.search_whole_frame = false;
   PatternFollower follower(first, index, pattern, follow);
   std::vector<Seen> seen;
-  for (std::int64_t k = index + 1; k <= std::min(last, index + frames - 1); ++k)
+  for (std::int64_t k = index + 1; k <= std::min(last, index + kAveragedFrames - 1); ++k)
     if (const FollowStep step = follower.step(source, k); step.status == TrackStatus::ok)
       seen.push_back({k, step.sighting->pose, step.sighting->ncc});
   return seen;
@@ -130,10 +131,9 @@ bool add_aligned(FrameSource& source, const Seen& seen, const Rect& area, Pictur
 }  // namespace
 
 AveragedTemplate average_template(FrameSource& source, const Picture& first, std::int64_t index,
-                                  std::int64_t last, const Pattern& pattern, const FollowOptions& follow,
-                                  const TemplateAverageOptions& options) {
+                                  std::int64_t last, const Pattern& pattern, const FollowOptions& follow) {
   AveragedTemplate out;
-  const auto seen = follow_some(source, first, index, last, pattern, follow, options.frames);
+  const auto seen = follow_some(source, first, index, last, pattern, follow);
   if (seen.size() < 3) return out;
   const Rect& w = pattern.window;
   const int x0 = std::max(0, w.x - kSurroundings), y0 = std::max(0, w.y - kSurroundings);
@@ -143,7 +143,7 @@ AveragedTemplate average_template(FrameSource& source, const Picture& first, std
   Picture sums(area.width, area.height);
   for (int y = 0; y < area.height; ++y)
     std::copy_n(first.row(y0 + y).begin() + x0, area.width, sums.row(y).begin());
-  const double least = options.score_share * median_score(seen);
+  const double least = kScoreShare * median_score(seen);
   for (const Seen& s : seen)
     if (s.ncc >= least && add_aligned(source, s, area, sums)) ++out.frames;
   if (out.frames < 4) return {};

@@ -13,10 +13,7 @@
 
 namespace tribotrack::vision {
 
-struct TemplateAverageOptions {
-  int frames = 24;             ///< at most, the first included
-  double score_share = 0.985;  ///< of the first matches' median score: lower ones show something else
-};
+inline constexpr int kAveragedFrames = 24;  ///< at most, the first included
 
 struct AveragedTemplate {
   Picture averaged;  ///< the first frame with the template's surroundings averaged; empty for one frame alone
@@ -27,8 +24,7 @@ struct AveragedTemplate {
 /// Follows the pattern through the frames after `index` (up to `last`) with the single template and averages
 /// what it finds. The part must not turn. One frame alone where fewer than four match.
 AveragedTemplate average_template(FrameSource& source, const Picture& first, std::int64_t index,
-                                  std::int64_t last, const Pattern& pattern, const FollowOptions& follow,
-                                  const TemplateAverageOptions& options = {});
+                                  std::int64_t last, const Pattern& pattern, const FollowOptions& follow);
 
 // Check of the part's texture: does what looks like one in the first frame belong to the part?
 //

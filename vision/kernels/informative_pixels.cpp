@@ -14,6 +14,7 @@ constexpr int kReach = 2;  ///< the average is over 2 kReach + 1 pixels each way
 /// The mean of 25 squares of noise gradients, themselves correlated, scatters by a third of their
 /// expectation: four times that.
 constexpr double kStandsOut = 1.3;
+constexpr double kShare = 0.995;  ///< of the information above the noise that is kept
 
 /// Sums over (2 kReach + 1)^2 pixels, fewer at the border.
 Picture box_sums(const Picture& in) {
@@ -44,18 +45,18 @@ float threshold(const Picture& density, const Picture& information, double least
 }  // namespace
 
 Picture informative_pixels(const Picture& slope_x, const Picture& slope_y, const Picture& weights,
-                           const InformativeOptions& options) {
+                           double noise_square) {
   Picture information(weights.width(), weights.height());
   for (std::size_t k = 0; k < weights.levels().size(); ++k) {
     const float gx = slope_x.levels()[k], gy = slope_y.levels()[k];
     information.levels()[k] =
-        weights.levels()[k] > 0 ? gx * gx + gy * gy - static_cast<float>(options.noise_square) : 0.0F;
+        weights.levels()[k] > 0 ? gx * gx + gy * gy - static_cast<float>(noise_square) : 0.0F;
   }
   const Picture sums = box_sums(information), counts = box_sums(weights);
   Picture density(weights.width(), weights.height());
   for (std::size_t k = 0; k < weights.levels().size(); ++k)
     if (weights.levels()[k] > 0) density.levels()[k] = sums.levels()[k] / counts.levels()[k];
-  const float level = threshold(density, information, kStandsOut * options.noise_square, options.share);
+  const float level = threshold(density, information, kStandsOut * noise_square, kShare);
   Picture mask(weights.width(), weights.height());
   bool any = false;
   for (std::size_t k = 0; k < weights.levels().size(); ++k)

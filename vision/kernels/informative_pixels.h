@@ -12,16 +12,11 @@
 
 namespace tribotrack::vision {
 
-struct InformativeOptions {
-  double share = 0.995;  ///< of the information above the noise that is kept
-  /// Expectation of |grad T|^2 from the template's noise alone, grey levels^2/px^2.
-  double noise_square = 0;
-};
-
 /// 1 where a pixel counts and is informative, else 0; `weights` where no pixel stands out. The gradient's
 /// square is averaged over 5 x 5 px, so that what is kept moves with the template by two pixels either way.
+/// `noise_square`: expectation of |grad T|^2 from the template's noise alone, grey levels^2/px^2.
 Picture informative_pixels(const Picture& slope_x, const Picture& slope_y, const Picture& weights,
-                           const InformativeOptions& options);
+                           double noise_square);
 
 /// The first pixels of tiles of 8 x 8 that cover a mask.
 std::vector<TilePlace> cover_with_tiles(const Picture& mask);

@@ -111,7 +111,7 @@ std::vector<KeptWindow> LearningFrames::read(GroundPicture& ground) {
   for (const std::size_t k : chosen_) {
     const FirstPassFrame& f = frames_[k];
     const Rect about = window_about(f.centre, reach_, source_.bounds());
-    KeptWindow window{{}, about.x, about.y, {f.centre, f.ground, 1, 0, 0, 1}, {}, f.index};
+    KeptWindow window{{}, about.x, about.y, {f.centre, f.ground, 1, 0, 0, 1}, {}};
     source_.read(f.index, about, window.picture);
     window.spline = QuinticSpline(window.picture);
     kept.push_back(std::move(window));

@@ -16,10 +16,9 @@ namespace tribotrack::vision {
 
 struct Ground {
   Rect place;          ///< of the window that is learnt, on the ground's grid
-  Picture mean;        ///< grey levels
   Picture variance;    ///< of a frame's pixel about it, grey levels^2
   Picture seen;        ///< in so many frames; 0 where in too few to be known
-  Picture quiet;       ///< the mean freed of its noise
+  Picture quiet;       ///< the mean freed of its noise, grey levels
   QuinticSpline less;  ///< of `quiet` less `level`
   float level = 0;     ///< mean, taken off before sums are formed
 };
@@ -39,7 +38,6 @@ struct GroundFix {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2
   double score = 0;             ///< correlation with the learnt ground, what is smooth over a block taken off
   double gain = 1, offset = 0;  ///< of the light: I = gain G + offset
-  double trimmed_share = 0;     ///< of the pixels: something else lies over the ground
 };
 
 }  // namespace tribotrack::vision

@@ -114,7 +114,8 @@ Ground mean_of(const std::vector<Placed>& frames, const Rect& place, const Groun
   Ground ground;
   ground.place = place;
   ground.seen = sums.count;
-  ground.mean = ground.variance = Picture(place.width, place.height);
+  ground.variance = Picture(place.width, place.height);
+  Picture mean_level(place.width, place.height);
   double known = 0, left = 0, level = 0;
   for (std::size_t i = 0; i < sums.count.levels().size(); ++i) {
     const float n = sums.count.levels()[i];
@@ -124,15 +125,15 @@ Ground mean_of(const std::vector<Placed>& frames, const Rect& place, const Groun
     }
     const double mean = static_cast<double>(sums.sum.levels()[i]) / n;
     const double variance = (static_cast<double>(sums.squares.levels()[i]) - n * mean * mean) / (n - 1);
-    ground.mean.levels()[i] = static_cast<float>(mean);
+    mean_level.levels()[i] = static_cast<float>(mean);
     ground.variance.levels()[i] = static_cast<float>(std::max(variance, noise_variance));
     left += ground.variance.levels()[i] / n;
     level += mean / static_cast<double>(sums.count.levels().size());
     ++known;
   }
   ground.quiet = known > 0
-                     ? noise_free(ground.mean, ground.seen, left / known, before ? &before->quiet : nullptr)
-                     : ground.mean;
+                     ? noise_free(mean_level, ground.seen, left / known, before ? &before->quiet : nullptr)
+                     : mean_level;
   smooth(ground.variance, ground.seen);
   shrink(ground.seen);
   ground.level = static_cast<float>(level);
@@ -215,13 +216,12 @@ class Learning {
 std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames, const Rect& place,
                                          double noise_variance, int most_rounds) {
   Learning learning(frames, place, noise_variance);
-  LearntGround learnt;
-  while (learnt.rounds < most_rounds) {
-    ++learnt.rounds;
+  for (int round = 0; round < most_rounds; ++round) {
     const double moved = learning.round();
     if (!learning.enough()) return std::nullopt;
     if (moved < kSettled) break;
   }
+  LearntGround learnt;
   learning.finish(learnt);
   return learnt;
 }

@@ -19,7 +19,6 @@ struct LearntGround {
   Eigen::Matrix2d excess = Eigen::Matrix2d::Identity();  ///< see GroundRegistration
   double texture = 0;                                    ///< grey levels rms beyond the noise
   double score = 0;                                      ///< their median
-  int rounds = 0;
 };
 
 /// From frames whose `start` is good to a texture's width. `place` of the window; `noise_variance` of a

@@ -240,7 +240,6 @@ GroundMotion follow_ground(FrameSource& source, std::int64_t first, std::int64_t
   if (!motion.verdict.visible) return motion;
   GroundFollower follower(source, first, options, *learnt);
   for (std::int64_t index = first; index <= last; ++index) motion.frames.push_back(follower.step(index));
-  motion.ground = std::move(learnt->ground);
   return motion;
 }
 

@@ -82,8 +82,7 @@ GroundVerdict look_at_ground(const GroundSample& sample, double noise_variance);
 
 struct GroundMotion {
   std::vector<std::optional<GroundFix>>
-      frames;  ///< first .. last; nothing where the ground was not found again
-  Ground ground;
+      frames;           ///< first .. last; nothing where the ground was not found again
   int learnt_from = 0;  ///< frames
   GroundVerdict verdict;
 };

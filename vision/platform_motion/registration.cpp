@@ -225,7 +225,6 @@ std::optional<GroundFix> GroundRegistration::refine(const GroundFrame& frame, co
   }
   fix.offset = offset / weight + ground_.level * (1 - fix.gain);
   fix.score = fit->force(2) / std::sqrt(fit->normal(2, 2) * fit->of_levels);
-  fix.trimmed_share = static_cast<double>(trimmed) / pixels_;
   // (N^-1/2) K (N^-1/2)
   const Eigen::Matrix2d root = inverse_root(normal_);
   fix.covariance = root * excess_ * root * std::max(1.0, fit->squares / fit->pixels);

@@ -11,6 +11,10 @@
 namespace tribotrack::vision {
 namespace {
 
+/// Of the disc's contrast: pixels outside the rim that differ by more from the mean rim profile belong to
+/// something else (a neighbour touching the disc, its shadow) and are left out.
+constexpr double kForeign = 0.35;
+
 /// Profile at a fractional distance, linear between whole ones.
 double profile_at(const std::vector<float>& profile, double rho) {
   const auto last = static_cast<double>(profile.size() - 1);
@@ -58,11 +62,11 @@ std::vector<float> radial_profile(const Picture& picture, const Point& centre, d
   return profile;
 }
 
-Pattern disc_pattern(const Picture& first, const Circle& disc, const DiscPatternOptions& options) {
+Pattern disc_pattern(const Picture& first, const Circle& disc, double margin) {
   Pattern pattern;
   pattern.centre = {disc.x, disc.y};
   pattern.radius = disc.radius;
-  const double mask = disc.radius + options.margin_px;
+  const double mask = disc.radius + margin;
   const int x0 = std::max(0, static_cast<int>(std::floor(disc.x - mask)));
   const int y0 = std::max(0, static_cast<int>(std::floor(disc.y - mask)));
   const int x1 = std::min(first.width() - 1, static_cast<int>(std::ceil(disc.x + mask)));
@@ -72,7 +76,7 @@ Pattern disc_pattern(const Picture& first, const Circle& disc, const DiscPattern
   const std::vector<float> profile = radial_profile(first, pattern.centre, mask + 1);
   const double inner = profile_at(profile, std::max(0.0, disc.radius - 3));
   const double outer = profile_at(profile, disc.radius + 3);
-  const double foreign = options.foreign_share * std::abs(inner - outer);
+  const double foreign = kForeign * std::abs(inner - outer);
   for (int y = 0; y < pattern.window.height; ++y)
     for (int x = 0; x < pattern.window.width; ++x) {
       const double rho = std::hypot(x + x0 - disc.x, y + y0 - disc.y);

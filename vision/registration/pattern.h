@@ -18,15 +18,9 @@ struct Pattern {
   double reach() const;  ///< radius, or half the shorter side
 };
 
-struct DiscPatternOptions {
-  double margin_px = 3;  ///< mask radius beyond the disc's: the rim carries nearly all information
-  /// Pixels outside the rim that differ from the mean rim profile by more than this share of the disc's
-  /// contrast belong to something else (a neighbour touching the disc, its shadow) and are left out.
-  double foreign_share = 0.35;
-};
-
-/// Round mask about the circle, clipped to the picture.
-Pattern disc_pattern(const Picture& first, const Circle& disc, const DiscPatternOptions& options = {});
+/// Round mask about the circle, `margin` px beyond the disc's radius, for the rim carries nearly all
+/// information; clipped to the picture.
+Pattern disc_pattern(const Picture& first, const Circle& disc, double margin = 3);
 
 /// Everything in the rectangle counts; its centre is tracked.
 Pattern rectangle_pattern(const Rect& rectangle);

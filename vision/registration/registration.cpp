@@ -9,6 +9,13 @@
 #include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
+namespace {
+
+constexpr int kMostIterations = 20;
+constexpr double kFarthest = 4;      ///< px from the start: further is no convergence
+constexpr double kTolerance = 1e-4;  ///< px
+
+}  // namespace
 
 TemplateRegistration::Matrix TemplateRegistration::normal_matrix() const {
   return filled(normal_sums(arrays_));
@@ -50,7 +57,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   const auto sums_now = [&] {
     return force_sums(arrays_, static_cast<float>(gain), static_cast<float>(offset));
   };
-  for (out.iterations = 1; out.iterations <= options_.max_iterations; ++out.iterations) {
+  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
     const ForceSums sums = sums_now();
     Vector force = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(sums.force.data()).head(columns());
     force.head<2>() -= noise_force(sums, formed, fraction, gain);
@@ -70,10 +77,10 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
       turn = std::clamp(step(4) / gain, -0.2, 0.2);
       fraction.theta += turn;
     }
-    if (std::hypot(whole_x + fraction.dx - start.dx, whole_y + fraction.dy - start.dy) > options_.max_step_px)
+    if (std::hypot(whole_x + fraction.dx - start.dx, whole_y + fraction.dy - start.dy) > kFarthest)
       return out;
     const double turn_px = std::abs(turn) * pattern_.reach();
-    bool settled = length < options_.tolerance_px && turn_px < 10 * options_.tolerance_px;
+    bool settled = length < kTolerance && turn_px < 10 * kTolerance;
     const bool re_centre = std::abs(fraction.dx) > 0.75 || std::abs(fraction.dy) > 0.75;
     if (re_centre) {
       const int sx = static_cast<int>(std::lround(fraction.dx));

@@ -47,16 +47,12 @@ struct Registration {
   double trimmed_share = 0;  ///< pixels left out as not belonging to the template (glare, a hand)
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (dx, dy), px^2
   double sigma_theta = 0;                                ///< rad; 0 where rotation is not estimated
-  int iterations = 0;
 };
 
 struct RegistrationOptions {
   double noise_variance = 1.0 / 12;  ///< of the picture, grey levels^2
   double template_noise_share = 1;   ///< of it in the template: 1/M for one averaged over M frames
   bool rotation = false;
-  int max_iterations = 20;
-  double max_step_px = 4;  ///< further from the start than this is no convergence
-  double tolerance_px = 1e-4;
 };
 
 /// Defined in two files: registration.cpp (the iteration, trimming and the sandwich covariance, the sums of

@@ -63,9 +63,8 @@ void TemplateRegistration::choose_pixels() {
   spline_.sample_window(w.x - spline_x_, w.y - spline_y_, w.width, w.height, value.levels().data(),
                         slope_x.levels().data(), slope_y.levels().data());
   limit_theta_ = rotation_limit(value, pattern_, options_.noise_variance);
-  InformativeOptions options;
-  options.noise_square = 2 * template_noise() * quintic_noise(0).slope * quintic_noise(0).value;
-  const Picture mask = informative_pixels(slope_x, slope_y, pattern_.weights, options);
+  const double noise_square = 2 * template_noise() * quintic_noise(0).slope * quintic_noise(0).value;
+  const Picture mask = informative_pixels(slope_x, slope_y, pattern_.weights, noise_square);
   places_ = cover_with_tiles(mask);
   mask_.assign(places_.size() * kTilePixels, 0.0F);
   double chosen = 0;

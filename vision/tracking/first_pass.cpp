@@ -6,7 +6,6 @@
 
 #include "vision/tracking/gate_lamp.h"
 #include "vision/tracking/notes.h"
-#include "vision/tracking/pictures.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -66,9 +65,10 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
       rim_(rim_of(setup_, first_)),
       rim_shape_(shape_in(first_, rim_)),
       part_(setup_.average.picture(first_), range.first, setup_.pattern, setup_.follow, rim_shape_),
-      marker_(timed(clock, Stage::marker, [&] {
-        return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc);
-      })) {
+      marker_(timed(
+          clock, Stage::marker,
+          [&] { return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc); })),
+      audited_(audit_runs(range.first, range.count())) {
   if (options.gate) lamp_.emplace(*options.gate, source);
   if (asks_ground(options)) {
     const auto running = clock.enter(Stage::marker);

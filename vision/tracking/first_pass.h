@@ -9,7 +9,6 @@
 #include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
 #include "vision/stages/stage_clock.h"
-#include "vision/tracking/camera_check.h"
 #include "vision/tracking/gate_lamp.h"
 #include "vision/tracking/platform.h"
 #include "vision/tracking/setup.h"

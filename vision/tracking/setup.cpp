@@ -11,9 +11,7 @@
 #include "vision/following/template_average.h"
 #include "vision/io/levels.h"
 #include "vision/registration/registration.h"
-#include "vision/tracking/camera_check.h"
 #include "vision/tracking/notes.h"
-#include "vision/tracking/pictures.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -83,9 +81,7 @@ void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
   const double noise = std::sqrt(noise_variance);
   setup.ground_texture = ground_texture(first, setup.disc, setup.disc_blur, noise_variance);
   const bool beyond_rim = !(setup.ground_texture > kTextureFactor * noise);
-  DiscPatternOptions mask;
-  mask.margin_px = beyond_rim ? 3 : 0;
-  setup.pattern = disc_pattern(first, setup.disc, mask);
+  setup.pattern = disc_pattern(first, setup.disc, beyond_rim ? 3 : 0);
   setup.plan.push_back(mask_stage(beyond_rim, setup.ground_texture, noise));
 }
 

@@ -1,15 +1,30 @@
-// Preparing to follow the part: its place in the first frame, its template, what the scene requires.
+// Preparing to follow the part: the camera, the part's place in the first frame, its template, what the scene
+// requires.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "vision/camera/pixels.h"
 #include "vision/following/pattern_follower.h"
 #include "vision/following/template_average.h"
+#include "vision/stages/debug_pictures.h"
+#include "vision/stages/first_pass_result.h"
+#include "vision/stages/frame_range.h"
 #include "vision/tracking/target.h"
 
 namespace tribotrack::vision {
+
+inline constexpr int kCameraFrames = 6;  ///< looked at for the camera
+
+struct Camera {
+  double noise_variance = 0;  ///< grey levels^2
+  std::vector<Pixel> bad_pixels;
+};
+
+/// From the first frames.
+Camera check_camera(FrameSource& source, const FrameRange& range);
 
 inline constexpr double kClickSd = 0.5;          ///< sd of a radius that no rim confirms, px
 inline constexpr double kQuietTemplate = 0.002;  ///< relative variance below which averaging does not pay
@@ -31,5 +46,16 @@ struct PartSetup {
 /// Throws InputError where the part cannot be followed from this frame.
 PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRange& range,
                       const TrackOptions& options, double noise_variance);
+
+// Pictures of the first pass for debugging.
+
+/// The template.
+void show_template(const PartSetup& part, const Picture& first, DebugSink& sink);
+
+/// Window, prediction by the template and residual in each of these frames, which are read again. `track` as
+/// the first pass left it.
+void show_first_pass(const PartSetup& part, const Picture& first, const FirstPassResult& result,
+                     const Track& track, const std::vector<ShownFrame>& frames, FrameSource& source,
+                     DebugSink& sink);
 
 }  // namespace tribotrack::vision

@@ -175,7 +175,7 @@ PageSection audit_section(const ReportData& data) {
       "<p class=\"note\">Ratios of the observed scatter to what the tracking’s own "
       "standard deviations predict; 1: as predicted. The first two are split-half tests: positions from "
       "complementary halves of the part’s pixels. Frame to frame: scatter of consecutive positions where the "
-      "motion is slow. Lag 1: correlation of consecutive errors, 0 for white noise. The σ of all tables are "
+      "motion is slow. The σ of all tables are "
       "the widened ones.</p>\n";
   return section;
 }

@@ -41,9 +41,7 @@ TemplateRegistration registration_of(const Picture& first, double variance, bool
   RegistrationOptions options;
   options.noise_variance = variance;
   options.rotation = rotation;
-  DiscPatternOptions mask;
-  mask.margin_px = margin;
-  return TemplateRegistration(first, disc_pattern(first, disc, mask), options);
+  return TemplateRegistration(first, disc_pattern(first, disc, margin), options);
 }
 
 TEST(Registration, BoundIsThatOfTheExactPicture) {

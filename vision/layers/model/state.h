@@ -12,7 +12,6 @@
 // uneven light on the part itself: on the ground it stands in G.
 #pragma once
 
-#include <cstdint>
 #include <span>
 
 #include "vision/kernels/bspline.h"
@@ -35,7 +34,6 @@ struct KeptWindow {
   int x = 0, y = 0;  ///< its first pixel in the frame
   LayeredState state;
   QuinticSpline spline;
-  std::int64_t frame = 0;
 };
 
 /// Some of the kept windows.

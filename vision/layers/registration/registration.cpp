@@ -52,10 +52,8 @@ void LayeredRegistration::choose_pixels(const PartPictures& part, double frames)
       y.at(i, j) /= sd;
       inside.at(i, j) = std::hypot(i - half_, j - half_) <= half_ - 1 ? 1.0F : 0.0F;
     }
-  InformativeOptions options;
   const InterpolationNoise noise = quintic_noise(0);
-  options.noise_square = 2 * noise.slope * noise.value / frames;
-  const Picture chosen = informative_pixels(x, y, inside, options);
+  const Picture chosen = informative_pixels(x, y, inside, 2 * noise.slope * noise.value / frames);
   places_ = cover_with_tiles(chosen);
   const std::size_t n = places_.size() * kTilePixels;
   mask_.assign(n, 0);
@@ -287,7 +285,6 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   fix.covariance = inverse.topLeftCorner<2, 2>();
   fix.slope_variance = 0.5 * (inverse(kSlopeX, kSlopeX) + inverse(kSlopeY, kSlopeY)) / (s.gain * s.gain);
   const CorrelationSums& c = sums.correlation;
-  fix.pixels = c.w;
   fix.chi_squared = sums.squares / std::max(1.0, c.w);
   const double variances = (c.vv - c.v * c.v / c.w) * (c.ll - c.l * c.l / c.w);
   fix.ncc = variances > 0 ? (c.vl - c.v * c.l / c.w) / std::sqrt(variances) : 0;

@@ -26,8 +26,7 @@ struct LayeredFix {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of the centre by the weights, px^2
   double slope_variance = 0;                             ///< of s as the frame alone tells it, 1/px^2
   double chi_squared = 0;                                ///< per pixel: weighted residual
-  double pixels = 0;
-  double ncc = 0;  ///< frame against model, where it tells something
+  double ncc = 0;                                        ///< frame against model, where it tells something
 };
 
 class LayeredRegistration {
