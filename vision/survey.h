@@ -17,10 +17,10 @@ namespace tribotrack::vision {
 
 /// What a disc may be, by how it moves in the frames looked at.
 enum class DiscRole {
-  part,      ///< moves farthest; where nothing does, the one seen best
-  mark,      ///< stays near its place but moves there, as what is fixed to the platform does
-  resting,   ///< stays where it is: fixed to the camera's frame, or to a platform at rest
-  like_part  ///< as large as the part, and moves too
+  part,       ///< moves farthest; where nothing does, the one seen best
+  like_part,  ///< as large as the part, and moves too
+  mark,       ///< stays near its place but moves there, as what is fixed to the platform does
+  resting     ///< stays where it is: fixed to the camera's frame, or to a platform at rest
 };
 
 struct SurveyedDisc {
