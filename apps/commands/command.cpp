@@ -70,6 +70,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_report(app, context);
   add_verify(app, context);
   add_probe(app, context);
+  add_calibrate(app, context);
   add_simulate(app, context);
   add_sweep(app, context);
   add_synth(app, context);

@@ -31,6 +31,7 @@ void add_verify(CLI::App& app, Context& context);
 void add_paper(CLI::App& app, Context& context);
 void add_run(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
+void add_calibrate(CLI::App& app, Context& context);
 void add_init(CLI::App& app, Context& context);
 void add_watch(CLI::App& app, Context& context);
 void add_open(CLI::App& app, Context& context);

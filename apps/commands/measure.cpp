@@ -10,6 +10,7 @@
 #include "apps/files/camera.h"
 #include "apps/files/run_folder.h"
 #include "apps/files/tracks/any_track.h"
+#include "apps/measuring/measure_text.h"
 #include "apps/measuring/measure_track.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
@@ -18,6 +19,7 @@
 #include "apps/text/number_text.h"
 #include "apps/text/output_file.h"
 #include "apps/usage/wrong_usage.h"
+#include "vision/calibration.h"
 
 namespace tribotrack::apps {
 
@@ -27,7 +29,6 @@ struct MeasureOptions {
   std::string track, output;
   MeasureChoices choices;
   TrackReading reading;  ///< of another program's track
-  std::string track_y;
   bool json = false;
 };
 
@@ -42,9 +43,7 @@ void check_output(const MeasureOptions& options) {
 
 void measure_command(const MeasureOptions& options, Context& context) {
   check_output(options);
-  TrackReading reading = options.reading;
-  if (!options.track_y.empty())
-    reading.y = options.track_y == "up" ? TrackReading::YAxis::up : TrackReading::YAxis::down;
+  const TrackReading& reading = options.reading;
   for (const auto& [flag, value] :
        {std::pair{"--mm-per-px", reading.mm_per_px}, std::pair{"--fps", reading.frame_rate_hz}})
     if (value && !(*value > 0)) throw UsageError(fmt::format("{} must be greater than 0", flag));
@@ -59,7 +58,8 @@ void measure_command(const MeasureOptions& options, Context& context) {
     meta.configuration = result.configuration;
     write_result(options.output, text_of(result.json), meta);
   }
-  if (!is_standard_output(options.output)) print_text(options.json ? text_of(result.json) : result.text);
+  if (!is_standard_output(options.output))
+    print_text(options.json ? text_of(result.json) : measurement_text(result.json));
   for (const auto& warning : result.warnings) say(context.quiet, "warning: " + warning);
   if (result.failure.empty()) return;
   complain(result.failure);
@@ -101,7 +101,7 @@ void add_measure(CLI::App& app, Context& context) {
                   "Unit of x and y of another program's track whose columns name none")
       ->check(one_of({"px", "um", "mm", "cm", "m"}));
   command
-      .add_option("--track-y", options->track_y,
+      .add_option("--track-y", options->reading.y,
                   "Where its y points: up or down (default: down in pixels, up in lengths)")
       ->check(one_of({"up", "down"}));
   command
@@ -127,6 +127,114 @@ void add_measure(CLI::App& app, Context& context) {
       "slide to\n"
       "rest with constant deceleration; if the track shows another motion: exit 4 and what to do instead.");
   command.callback([options, &context] { measure_command(*options, context); });
+}
+
+// tribotrack calibrate: pictures of a checkerboard to the camera's lens, the platform's plane and its scale.
+
+namespace {
+
+struct CalibrateOptions {
+  std::vector<std::string> inputs;
+  std::string plane, squares, output;
+  std::optional<double> square_mm, square_sd_mm;
+  bool json = false;
+};
+
+vision::CalibrationBoard board_of(const CalibrateOptions& options) {
+  vision::CalibrationBoard board;
+  const auto cross = std::min(options.squares.find('x'), options.squares.size());
+  const double columns = parse_number(options.squares.substr(0, cross)).value_or(0);
+  const double rows =
+      cross + 1 < options.squares.size() ? parse_number(options.squares.substr(cross + 1)).value_or(0) : 0;
+  const auto is_count = [](double n) { return n >= 1 && n <= 1000 && n == std::floor(n); };
+  if (!is_count(columns) || !is_count(rows))
+    throw UsageError(
+        fmt::format("--squares must read COLUMNSxROWS, such as 10x7 (squares, not corners), not \"{}\"",
+                    options.squares));
+  board.columns = static_cast<int>(columns);
+  board.rows = static_cast<int>(rows);
+  if (!(*options.square_mm > 0))
+    throw UsageError(fmt::format("--square-mm must be greater than 0, not {}", *options.square_mm));
+  board.square_mm = *options.square_mm;
+  board.square_relative_sd = options.square_sd_mm.value_or(0) / board.square_mm;
+  try {
+    board.validate();
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  return board;
+}
+
+void print_table(const vision::CalibrationResult& result) {
+  const auto& c = result.calibration;
+  print("{} x {} pixels, {} mm/px on the platform, {:.1f} mm from the lens's pupil\n", c.width, c.height,
+        quoted(c.mm_per_px, c.mm_per_px_sd), c.distance_mm());
+  print("focal length {:.1f} x {:.1f} px, sd {:.2g}, middle ({:.1f}, {:.1f}) px, lens terms: {}\n", c.lens.fx,
+        c.lens.fy, result.focal_sd_px, c.lens.cx, c.lens.cy, result.model);
+  print("reprojection rms {:.4f} px\n\n{:>8} {:>9} {:>9}  picture\n", result.rms_px, "corners", "rms px",
+        "tilt deg");
+  for (const auto& p : result.pictures)
+    print("{:>8} {:>9.4f} {:>9.1f}  {}\n", p.corners, p.rms_px, p.tilt_rad * 180 / std::numbers::pi, p.name);
+}
+
+void calibrate_command(const CalibrateOptions& options, Context& context) {
+  const vision::CalibrationBoard board = board_of(options);
+  std::vector<std::filesystem::path> read;
+  for (const std::string& input : options.inputs)
+    for (const auto& file : files_of_input(input)) read.push_back(file);
+  for (const auto& file : files_of_input(options.plane)) read.push_back(file);
+  require_writable({{options.output}}, read);
+  const vision::CalibrationPicture plane = vision::calibration_picture(options.plane);
+  const std::vector<std::filesystem::path> inputs(options.inputs.begin(), options.inputs.end());
+  const vision::CalibrationResult result =
+      vision::calibrate_camera(board, plane, vision::calibration_pictures(inputs, plane));
+  const Json json = calibration_json(result);
+  MetaFile meta;
+  meta.command = "calibrate";
+  for (const auto& input : inputs) meta.inputs.push_back(hashed_recording(input));
+  meta.inputs.push_back(hashed_recording(options.plane));
+  meta.configuration = {{"squares", options.squares},
+                        {"square_mm", board.square_mm},
+                        {"square_relative_sd", board.square_relative_sd}};
+  write_result(options.output, text_of(json), meta);
+  for (const auto& left_out : result.left_out) say(context.quiet, "left out: " + left_out);
+  if (options.json)
+    print_text(text_of(json));
+  else
+    print_table(result);
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Context& context) {
+  auto options = std::make_shared<CalibrateOptions>();
+  CLI::App& command = *app.add_subcommand(
+      "calibrate", "Determine lens, plane of the platform and scale from pictures of a checkerboard");
+  command
+      .add_option("PICTURES", options->inputs,
+                  "Pictures of the whole board, tilted by 15 to 45 degrees in several directions: files, "
+                  "folders, patterns "
+                  "dir/%05d.png or videos")
+      ->required();
+  command.add_option("--plane", options->plane, "A picture of the board lying on the platform")
+      ->type_name("PICTURE")
+      ->required();
+  command.add_option("--squares", options->squares, "Squares of the board, not corners")
+      ->type_name("COLUMNSxROWS")
+      ->required();
+  add_number(command, "--square-mm", options->square_mm, "Side of a square");
+  command.get_option("--square-mm")->required();
+  add_number(command, "--square-sd-mm", options->square_sd_mm,
+             "Standard deviation of that side: enters the sd of the scale");
+  command.add_option("-o,--output", options->output, "The calibration")
+      ->type_name("calibration.json")
+      ->required();
+  command.add_flag("--json", options->json, "Print it as one JSON object");
+  add_common(
+      command, context,
+      "  tribotrack calibrate board/*.png --plane flat.png --squares 10x7 --square-mm 2 -o calibration.json\n"
+      "  tribotrack track phi000.cine --calibration calibration.json --height-mm 0.8 --marker auto -o t.csv");
+  command.callback([options, &context] { calibrate_command(*options, context); });
 }
 
 }  // namespace tribotrack::apps

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <thread>
 
-#include "fit/slow_friction.h"
+#include "apps/bench/peers.h"
 
 namespace tribotrack::bench {
 
@@ -56,7 +56,7 @@ TEST(CoverageCampaigns, AreThoseOfAnIndependentIntegratorAndHideTheTruth) {
         truth.drive.tilt_x = campaign.truth[3];
         truth.drive.tilt_y = campaign.truth[4];
       }
-      const Eigen::Vector2d exact = test::SlowFriction(truth).displacement(2000);
+      const Eigen::Vector2d exact = extended_precision_reference(truth, 1e-11).position;
       const Eigen::Vector2d off = run.measured.vector - exact;
       chi2 += off.dot(run.measured.covariance.llt().solve(off));
     }

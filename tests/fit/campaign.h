@@ -1,14 +1,15 @@
-// Campaigns with known truth, made by the slow integrator.
+// Campaigns with known truth, made by an independent integrator.
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <numbers>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "apps/bench/peers.h"
 #include "fit/problem.h"
-#include "fit/slow_friction.h"
 
 namespace tribotrack::test {
 
@@ -23,12 +24,17 @@ inline model::Scenario scenario(const Truth& truth, double phi, double dtau, dou
   return s;
 }
 
+/// Where it ends, m: of a solution that shares nothing with the library's integrator.
+inline Eigen::Vector2d displacement(const model::Scenario& truth) {
+  return bench::extended_precision_reference(truth, 1e-11).position;
+}
+
 /// A run measured as alpha and v with the given sds; noise is drawn where `random` is given.
 inline fit::SummaryRun summary_run(const model::Scenario& truth, double alpha_sd, double v_sd,
-                                   std::mt19937* random = nullptr, int steps_per_cycle = 4000) {
+                                   std::mt19937* random = nullptr) {
   const double w = truth.drive.angular_frequency;
   const double duration = truth.cycles * 2 * std::numbers::pi / w;
-  const Eigen::Vector2d d = SlowFriction(truth).displacement(steps_per_cycle);
+  const Eigen::Vector2d d = displacement(truth);
   fit::SummaryRun run;
   run.name =
       "phi " + std::to_string(truth.friction.phase) + " dtau " + std::to_string(truth.friction.pulse_width);

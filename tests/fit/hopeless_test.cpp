@@ -17,17 +17,13 @@ using testing::AnyOf;
 using testing::HasSubstr;
 constexpr double pi = std::numbers::pi;
 
-FitOptions quick() {
-  FitOptions options;
-  options.profiles = false;
-  return options;
-}
+const FitOptions kQuick{.profiles = false};
 
 Problem campaign(const std::vector<model::Scenario>& scenarios, std::mt19937& random) {
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   for (const auto& s : scenarios)
-    problem.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3, &random, 1000));
+    problem.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3, &random));
   return problem;
 }
 
@@ -65,7 +61,7 @@ TEST(Hopeless, ASweepOfPhiAloneWithRealScatter) {
 TEST(Hopeless, OneRunOnly) {
   std::mt19937 random(1);
   Problem problem = campaign({test::scenario({}, 0.3, pi / 3)}, random);
-  const FitResult alone = estimate(problem, quick());
+  const FitResult alone = estimate(problem, kQuick);
   EXPECT_EQ(alone.identifiability.verdict, Verdict::not_identifiable);
   EXPECT_EQ(alone.dof, 0);
   EXPECT_THAT(said(alone),
@@ -76,7 +72,7 @@ TEST(Hopeless, OneRunOnly) {
   EXPECT_GT(std::abs(alone.next_experiment->dtau - pi / 3), 0.1);
   // With a loose prior there is a number for everything, and the report states where it comes from.
   problem.prior[FitParameter::lag] = {0, 0.5};
-  const FitResult result = estimate(problem, quick());
+  const FitResult result = estimate(problem, kQuick);
   EXPECT_NE(result.identifiability.verdict, Verdict::identifiable);
   EXPECT_THAT(said(result), HasSubstr("phase_lag_rad is determined by its prior, not by the data"));
 }
@@ -90,13 +86,13 @@ TEST(Hopeless, PulsesWithoutEffectGiveNoLag) {
     Problem problem;
     problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
     for (const auto& s : test::fourteen({0.1, 0.1, 0.1})) {
-      problem.summary_runs.push_back(test::summary_run(s, 0.02, 0.02e-3, nullptr, 400));
+      problem.summary_runs.push_back(test::summary_run(s, 0.02, 0.02e-3));
       auto& measured = problem.summary_runs.back().measured;
       std::normal_distribution<double> noise(0, 3e-5);
       measured.covariance = 9e-10 * Eigen::Matrix2d::Identity();
       measured.vector += Eigen::Vector2d(noise(random), noise(random));
     }
-    const FitResult result = estimate(problem, quick());
+    const FitResult result = estimate(problem, kQuick);
     EXPECT_FALSE(result.usable()) << result.full_report();
     EXPECT_THAT(said(result), HasSubstr("the pulses may have no effect"));
     EXPECT_THAT(said(result), HasSubstr("check that the actuator works"));
@@ -113,7 +109,7 @@ TEST(Hopeless, APartThatSticksThroughoutGivesABound) {
     problem.summary_runs.back().measured.vector = {noise(random), noise(random)};
     problem.summary_runs.back().measured.covariance = 1e-12 * Eigen::Matrix2d::Identity();
   }
-  const FitResult result = estimate(problem, quick());
+  const FitResult result = estimate(problem, kQuick);
   EXPECT_EQ(result.identifiability.verdict, Verdict::not_identifiable);
   // A w^2/g = 0.28e-3 62.8^2/9.81
   EXPECT_THAT(said(result), HasSubstr("mu1 and mu2 above A w^2/g = 0.113"));
@@ -127,14 +123,14 @@ TEST(Hopeless, AlphaNearItsEdgeIsNoEdge) {
   const Truth truth;
   for (int k = 0; k < 10; ++k) {  // phi such that alpha is 0 to within its error
     model::Scenario s = test::scenario(truth, 0.2, pi / 6 * (1 + k % 5), 10);
-    const Eigen::Vector2d d = test::SlowFriction(s).displacement(400);
+    const Eigen::Vector2d d = test::displacement(s);
     s.friction.phase += std::atan2(d.y(), d.x()) + 0.01 * (k - 5);
     scenarios.push_back(s);
   }
   int inside = 0;
   for (unsigned seed = 0; seed < 10; ++seed) {
     std::mt19937 random(seed);
-    FitOptions options = quick();
+    FitOptions options = kQuick;
     options.next_experiment = false;
     const FitResult result = estimate(campaign(scenarios, random), options);
     EXPECT_TRUE(result.usable());
@@ -158,7 +154,7 @@ TEST(Hopeless, AFrequencyWrongByFivePercentIsToldAsASystematic) {
     run.measured.duration /= 1.05;  // 20 cycles, it was thought
     run.measured.vector /= 1.05;
   }
-  const FitResult result = estimate(problem, quick());
+  const FitResult result = estimate(problem, kQuick);
   double told = 0;
   const std::string sentence = test::sentence_of("platform's frequency", result.systematics);
   ASSERT_EQ(std::sscanf(sentence.c_str(), "%*[^:]: mu1 up %lf %%", &told), 1) << sentence;
@@ -168,7 +164,7 @@ TEST(Hopeless, AFrequencyWrongByFivePercentIsToldAsASystematic) {
   problem.free.push_back(FitParameter::angular_frequency);
   const double believed = problem.summary_runs.front().scenario.drive.angular_frequency;
   problem.prior[FitParameter::angular_frequency] = {believed, 0.05 * believed};
-  const FitResult honest = estimate(problem, quick());
+  const FitResult honest = estimate(problem, kQuick);
   EXPECT_LT(honest.parameters[0].ci95.low, 0.1);
   EXPECT_GT(honest.parameters[0].ci95.high, 0.1);
   EXPECT_GT(honest.parameters[0].sd, 3 * result.parameters[0].sd);
@@ -184,7 +180,7 @@ TEST(Hopeless, EveryParameterAtOnceWithPriors) {
                    {amplitude, {0.28e-3, 0.01 * 0.28e-3}},
                    {angular_frequency, {62.8, 0.005 * 62.8}},
                    {scale, {1, 0.01}}};
-  const FitResult result = estimate(problem, quick());
+  const FitResult result = estimate(problem, kQuick);
   EXPECT_TRUE(result.usable()) << result.full_report();
   EXPECT_NEAR(result.value(mu1), 0.1, 4 * result.parameters[0].sd);
   // d ln mu1 = d ln A + 2 d ln w

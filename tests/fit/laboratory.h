@@ -1,7 +1,6 @@
 // A laboratory that is not the model: Moreau's time stepping (J. J. Moreau, Unilateral contact and dry
 // friction in finite freedom dynamics, 1988) of a part on a platform that may be tilted, elliptic, or shaken
-// out of phase, under friction that may depend on speed, the width of the gate, the run and its place in the
-// campaign.
+// out of phase, under friction that may depend on speed and the run.
 #pragma once
 
 #include <algorithm>
@@ -19,9 +18,7 @@ struct Laboratory {
   // What the campaign does not say.
   double tilt_x = 0, tilt_y = 0;        ///< rad
   double ratio = 1, epsilon_error = 0;  ///< A_y/A about their mean; rad
-  double edge = 0;                      ///< rad, of ramps about the edges
   double stribeck = 0, viscous = 0;     ///< relative, fading by A w/4; 1/s
-  double heating = 0, wear = 0;         ///< of mu2 by rad of the gate; of both from first to last run
   double scatter = 0;                   ///< relative, of both from run to run
   int bad_run = -1;                     ///< whose phi was 0.7 rad more than it says
 };
@@ -30,14 +27,13 @@ struct Laboratory {
 inline Eigen::Vector2d stepped(const Laboratory& lab, const model::Scenario& s, double mu1, double mu2) {
   constexpr int kSteps = 1000;  // a turn
   const double w = s.drive.angular_frequency, g = s.drive.gravity, a = s.drive.amplitude;
-  const double dt = 2 * std::numbers::pi / w / kSteps, fading = a * w / 4, edge = std::max(lab.edge, 1e-9);
-  const double on = s.friction.phase + lab.lag - 0.5 * lab.edge, width = s.friction.pulse_width;
+  const double dt = 2 * std::numbers::pi / w / kSteps, fading = a * w / 4;
+  const double on = s.friction.phase + lab.lag, width = s.friction.pulse_width;
   // Integral of the share of mu2 in mu over wt.
-  const auto ramp = [&](double q) { return q <= 0 ? 0 : q < edge ? q * q / (2 * edge) : q - edge / 2; };
   const auto open = [&](double wt) {
     const double turns = std::floor((wt - on) / (2 * std::numbers::pi));
     const double into = wt - on - 2 * std::numbers::pi * turns;
-    const auto pulse = [&](double q) { return ramp(q) - ramp(q - width); };
+    const auto pulse = [&](double q) { return std::clamp(q, 0.0, width); };
     return turns * width + pulse(into) + pulse(into + 2 * std::numbers::pi) - width;
   };
   Eigen::Vector2d x = Eigen::Vector2d::Zero(), u = x;
@@ -81,9 +77,8 @@ inline fit::Problem campaign(const Laboratory& lab, double alpha_sd, double v_sd
         k < 8 ? std::numbers::pi / 3 : (k - 7) * std::numbers::pi / 6 + (k > 8 ? 0.5 : 0);
     model::Scenario truth = s;
     if (k == lab.bad_run) truth.friction.phase += 0.7;
-    const double run_factor = (1 + lab.wear * k / 13) * (1 + lab.scatter * normal(random));
-    const Eigen::Vector2d moved = stepped(lab, truth, lab.mu1 * run_factor,
-                                          lab.mu2 * run_factor * (1 + lab.heating * s.friction.pulse_width));
+    const double run_factor = 1 + lab.scatter * normal(random);
+    const Eigen::Vector2d moved = stepped(lab, truth, lab.mu1 * run_factor, lab.mu2 * run_factor);
     const double duration = s.end_time(), v = moved.norm() / duration;
     run.measured = fit::displacement_from_alpha_v(
         {std::atan2(moved.y(), moved.x()) + alpha_sd * normal(random), alpha_sd},

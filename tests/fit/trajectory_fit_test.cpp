@@ -8,6 +8,7 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::fit {
 namespace {
@@ -16,12 +17,7 @@ using test::Truth;
 using testing::HasSubstr;
 constexpr double pi = std::numbers::pi;
 
-FitOptions quick() {
-  FitOptions options;
-  options.profiles = false;
-  options.multi_starts = 2;
-  return options;
-}
+const FitOptions kQuick{.multi_starts = 2, .profiles = false};
 
 TrajectoryRun driven(const model::Scenario& truth, double rate, double sigma, std::mt19937& random,
                      bool platform_frame = true) {
@@ -30,14 +26,14 @@ TrajectoryRun driven(const model::Scenario& truth, double rate, double sigma, st
   run.scenario = truth;
   run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;
   run.scenario.friction.lag = 0;
-  std::vector<double> times;
-  for (int k = 0; k / rate <= truth.end_time(); ++k) times.push_back(k / rate);
+  const model::Trajectory path = model::integrate(truth);
   std::normal_distribution<double> noise;
-  for (const auto& point : test::SlowFriction(truth).at(times, 2000)) {
-    Eigen::Vector2d seen = point.position + sigma * Eigen::Vector2d(noise(random), noise(random));
+  for (int k = 0; k / rate <= truth.end_time(); ++k) {
+    const double time = k / rate;
+    Eigen::Vector2d seen = path.at(time).position + sigma * Eigen::Vector2d(noise(random), noise(random));
     if (!platform_frame)
-      seen += truth.drive.displacement(truth.start_phase + truth.drive.angular_frequency * point.time);
-    run.track.time.push_back(point.time + 0.7);  // the recording's clock started earlier
+      seen += truth.drive.displacement(truth.start_phase + truth.drive.angular_frequency * time);
+    run.track.time.push_back(time + 0.7);  // the recording's clock started earlier
     run.track.frame.push_back(static_cast<long>(run.track.frame.size()) + 350);
     run.track.position.push_back(seen);
     run.track.covariance.push_back(sigma * sigma * Eigen::Matrix2d::Identity());
@@ -69,56 +65,48 @@ TrajectoryRun slide(double mu, double speed, double angle, double rate, double d
   return run;
 }
 
-TEST(TrajectoryFit, EveryPointOfTwoRunsPinsAllThree) {
-  const unsigned seed = 11;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  const Truth truth{0.1, 0.0125, 0.1};
-  for (const bool platform_frame : {true, false}) {
-    Problem problem;
+/// mu1, mu2 and the lag from every point of two runs, in the platform's and in the camera's frame.
+class TwoRuns : public testing::TestWithParam<bool> {
+ protected:
+  TwoRuns() {
     problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-    problem.trajectory_runs = {
-        driven(test::scenario(truth, 0.3, pi / 3, 6), 250, 0.5e-6, random, platform_frame),
-        driven(test::scenario(truth, 2.0, pi / 2, 6), 250, 0.5e-6, random, platform_frame)};
-    const FitResult result = estimate(problem, quick());
-    EXPECT_TRUE(result.usable()) << result.full_report();
-    EXPECT_EQ(result.scatter, 0);
-    EXPECT_GT(result.p_value, 1e-3);
-    const double truths[] = {truth.mu1, truth.mu2, truth.lag};
-    for (std::size_t i = 0; i < 3; ++i)
-      EXPECT_NEAR(result.parameters[i].estimate, truths[i], 4 * result.parameters[i].sd)
-          << result.full_report();
-    EXPECT_LT(result.parameters[0].sd, 1e-4);
-    EXPECT_EQ(result.runs[0].points, problem.trajectory_runs[0].track.time.size());
-    EXPECT_NEAR(result.runs[0].rms_m, 0.5e-6 * std::sqrt(2.0), 0.1e-6);
+    std::mt19937 random(11);
+    for (const auto& [phi, dtau] : {std::pair{0.3, pi / 3}, {2.0, pi / 2}})
+      problem.trajectory_runs.push_back(
+          driven(test::scenario({}, phi, dtau, 6), 250, 0.5e-6, random, GetParam()));
   }
+  static void expect_truth(const FitResult& result) {
+    const Truth truth;
+    const double truths[] = {truth.mu1, truth.mu2, truth.lag};
+    EXPECT_EQ(result.scatter, 0) << result.full_report();
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_NEAR(result.parameters[i].estimate, truths[i], 4 * result.parameters[i].sd);
+  }
+  Problem problem;
+};
+
+TEST_P(TwoRuns, PinAllThree) {
+  const FitResult result = estimate(problem, kQuick);
+  EXPECT_TRUE(result.usable()) << result.full_report();
+  EXPECT_GT(result.p_value, 1e-3);
+  expect_truth(result);
+  EXPECT_LT(result.parameters[0].sd, 1e-4);
+  EXPECT_EQ(result.runs[0].points, problem.trajectory_runs[0].track.time.size());
+  EXPECT_NEAR(result.runs[0].rms_m, 0.5e-6 * std::sqrt(2.0), 0.1e-6);
 }
 
 // A platform phase wrong by 0.02 rad: taken as exact it spoils the fit, with its sd it is found.
-TEST(TrajectoryFit, ThePlatformsPhaseIsANuisanceWithItsSd) {
-  const unsigned seed = 19;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  const Truth truth{0.1, 0.0125, 0.1};
-  for (const bool platform_frame : {true, false}) {
-    Problem problem;
-    problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-    problem.trajectory_runs = {
-        driven(test::scenario(truth, 0.3, pi / 3, 6), 250, 0.5e-6, random, platform_frame),
-        driven(test::scenario(truth, 2.0, pi / 2, 6), 250, 0.5e-6, random, platform_frame)};
-    problem.trajectory_runs[0].scenario.start_phase += 0.02;
-    const FitResult blind = estimate(problem, quick());
-    EXPECT_GT(blind.scatter, 0);
-    for (auto& run : problem.trajectory_runs) run.start_phase_sd = 0.03;
-    const FitResult seeing = estimate(problem, quick());
-    EXPECT_EQ(seeing.scatter, 0) << seeing.full_report();
-    EXPECT_NEAR(seeing.runs[0].nuisance.at("start_phase_rad"), 0, 2e-3);
-    EXPECT_NEAR(seeing.runs[1].nuisance.at("start_phase_rad"), 0, 2e-3);
-    const double truths[] = {truth.mu1, truth.mu2, truth.lag};
-    for (std::size_t i = 0; i < 3; ++i)
-      EXPECT_NEAR(seeing.parameters[i].estimate, truths[i], 4 * seeing.parameters[i].sd);
-  }
+TEST_P(TwoRuns, FindThePlatformsPhase) {
+  problem.trajectory_runs[0].scenario.start_phase += 0.02;
+  const FitResult blind = estimate(problem, kQuick);
+  EXPECT_GT(blind.scatter, 0);
+  for (auto& run : problem.trajectory_runs) run.start_phase_sd = 0.03;
+  const FitResult seeing = estimate(problem, kQuick);
+  expect_truth(seeing);
+  for (const RunResult& run : seeing.runs) EXPECT_NEAR(run.nuisance.at("start_phase_rad"), 0, 2e-3);
 }
+
+INSTANTIATE_TEST_SUITE_P(PlatformFrame, TwoRuns, testing::Bool());
 
 TEST(FreeSlide, GivesMu1AndTheInitialSpeed) {
   const unsigned seed = 17;
@@ -128,7 +116,7 @@ TEST(FreeSlide, GivesMu1AndTheInitialSpeed) {
     Problem problem;
     problem.free = {FitParameter::mu1};
     problem.trajectory_runs = {slide(0.15, 0.8, 0.4, 240, stops ? 0.8 : 0.4, 20e-6, random)};
-    FitOptions options = quick();
+    FitOptions options = kQuick;
     options.profiles = true;
     const FitResult result = estimate(problem, options);
     EXPECT_TRUE(result.usable()) << result.full_report();
@@ -148,7 +136,7 @@ TEST(FreeSlide, FramesBeforeTheStrikeAreLeftOut) {
   Problem problem;
   problem.free = {FitParameter::mu1};
   problem.trajectory_runs = {slide(0.12, 0.9, 0, 240, 0.6, 20e-6, random, 0.1)};
-  const FitResult result = estimate(problem, quick());
+  const FitResult result = estimate(problem, kQuick);
   const double onset = result.runs[0].nuisance.at("onset_frame");
   EXPECT_GE(onset, 24);
   EXPECT_LE(onset, 36);
@@ -175,7 +163,7 @@ TEST(FreeSlide, CorrelatedScatterWidensTheInterval) {
           rho * wander + std::sqrt(1 - rho * rho) * 150e-6 * Eigen::Vector2d(normal(random), normal(random));
       p += wander;
     }
-    const FitResult result = estimate(problem, quick());
+    const FitResult result = estimate(problem, kQuick);
     ASSERT_GT(result.scatter, 0);
     EXPECT_GT(result.runs[0].nuisance.at("correlation_time_points"), 1.5);
     inside += result.parameters[0].ci95.low <= 0.15 && 0.15 <= result.parameters[0].ci95.high;
@@ -190,7 +178,7 @@ TEST(FreeSlide, AnOutlierIsNamed) {
   problem.free = {FitParameter::mu1};
   problem.trajectory_runs = {slide(0.12, 0.9, 0, 240, 0.4, 20e-6, random)};
   problem.trajectory_runs[0].track.position[60].y() += 1e-3;
-  const FitResult result = estimate(problem, quick());
+  const FitResult result = estimate(problem, kQuick);
   std::string warnings;
   for (const auto& warning : result.warnings) warnings += warning + "\n";
   EXPECT_THAT(warnings, HasSubstr("(frames 60)"));
@@ -201,7 +189,7 @@ TEST(FreeSlide, OnlyMu1IsKnownToIt) {
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2};
   problem.trajectory_runs = {slide(0.12, 0.9, 0, 240, 0.4, 20e-6, random)};
-  const FitResult result = estimate(problem, quick());
+  const FitResult result = estimate(problem, kQuick);
   EXPECT_FALSE(result.usable());
   ASSERT_FALSE(result.identifiability.weak_directions.empty());
   EXPECT_THAT(result.identifiability.weak_directions[0],
@@ -210,7 +198,7 @@ TEST(FreeSlide, OnlyMu1IsKnownToIt) {
   problem.trajectory_runs[0].track.time.resize(5);
   problem.trajectory_runs[0].track.position.resize(5);
   problem.trajectory_runs[0].track.covariance.resize(5);
-  EXPECT_THROW(estimate(problem, quick()), DataError);
+  EXPECT_THROW(estimate(problem, kQuick), DataError);
 }
 
 TEST(TrajectoryFit, KindsMixAndShareMu1) {
@@ -221,9 +209,9 @@ TEST(TrajectoryFit, KindsMixAndShareMu1) {
   for (const auto& s : test::fourteen(truth))
     if (problem.summary_runs.size() < 8)
       problem.summary_runs.push_back(test::summary_run(s, 0.02, 0.1e-3, &random));
-  const FitResult alone = estimate(problem, quick());
+  const FitResult alone = estimate(problem, kQuick);
   problem.trajectory_runs = {slide(0.1, 0.8, 0.4, 240, 0.7, 20e-6, random)};
-  const FitResult both = estimate(problem, quick());
+  const FitResult both = estimate(problem, kQuick);
   // mu1 from the slide breaks the trade-off with the lag.
   EXPECT_LT(both.parameters[0].sd, 0.3 * alone.parameters[0].sd);
   EXPECT_LT(both.parameters[2].sd, 0.5 * alone.parameters[2].sd);

@@ -5,18 +5,9 @@
 #include <atomic>
 #include <chrono>
 #include <stdexcept>
-#include <vector>
 
 namespace tribotrack {
 namespace {
-
-TEST(ParallelFor, DoesEachOnce) {
-  for (const int threads : {1, 2, 5}) {
-    std::vector<std::atomic<int>> done(100);
-    parallel_for(done.size(), threads, [&](std::size_t i) { ++done[i]; });
-    for (const auto& count : done) EXPECT_EQ(count, 1);
-  }
-}
 
 // Loops within loops, and one after them, use no more threads than were asked for.
 TEST(ParallelFor, SharesItsThreadsWithLoopsInside) {

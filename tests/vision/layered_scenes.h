@@ -51,16 +51,10 @@ struct SlidingScene {
   }
 };
 
-/// A sliding scene's recording, which counts how often it is read.
+/// A sliding scene's recording.
 class SceneSource : public MemorySource {
  public:
   explicit SceneSource(const SlidingScene& scene) : MemorySource(rendered(scene), 250, scene.scene.bits) {}
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
-    ++reads_;
-    MemorySource::read(index, window, picture);
-  }
-  using FrameSource::read;
-  std::int64_t reads() const { return reads_; }
 
  private:
   static std::vector<Picture> rendered(const SlidingScene& scene) {
@@ -70,7 +64,6 @@ class SceneSource : public MemorySource {
       pictures.push_back(renderer.render(k, 0, 0, [&](double) { return scene.pose(k); }));
     return pictures;
   }
-  std::int64_t reads_ = 0;
 };
 
 inline TrackErrors errors_of(const Track& track, const SlidingScene& scene) {

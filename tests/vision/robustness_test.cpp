@@ -25,17 +25,13 @@ using test::TrackErrors;
 
 constexpr double kFps = 500;
 
-/// A recording at 500 frames a second: the scene may differ from frame to frame, and so may what is done to
-/// the picture after the camera's optics.
+/// A recording at 500 frames a second, and what is done to each picture after the camera's optics.
 struct Recording {
   Scene scene;
   int frames = 200;
   double exposure_s = 0;
   std::function<ScenePose(double frame)> pose;
-  std::function<void(int frame, Scene&)> change = [](int, Scene&) {};
   std::function<void(int frame, Picture&)> spoil = [](int, Picture&) {};
-  std::function<double(int frame)> lamp = [](int) { return 1.0; };
-  bool steady = true;  ///< `change` does nothing: one renderer serves all frames
 
   Recording() {
     scene.width = 300;
@@ -53,23 +49,16 @@ struct Recording {
   RenderedSource source() const {
     const auto shared = std::make_shared<SceneRenderer>(scene);
     RenderedSource out(scene.width, scene.height, frames, [this, shared](std::int64_t k) {
-      const int frame = static_cast<int>(k);
-      Scene now = scene;
-      change(frame, now);
-      const auto at = [&](double t) { return pose(t * kFps); };
-      const double t = static_cast<double>(k) / kFps;
-      Picture picture = steady ? shared->render(k, t, exposure_s, at, lamp(frame))
-                               : SceneRenderer(now).render(k, t, exposure_s, at, lamp(frame));
-      spoil(frame, picture);
+      Picture picture = shared->render(
+          k, static_cast<double>(k) / kFps, exposure_s, [&](double t) { return pose(t * kFps); }, 1);
+      spoil(static_cast<int>(k), picture);
       return picture;
     });
     return out;
   }
   /// Cramer-Rao bound of one coordinate in a frame, px.
   double bound(int frame) const {
-    Scene now = scene;
-    change(frame, now);
-    const Eigen::Matrix2d c = position_bound(SceneRenderer(now), frame / kFps, exposure_s,
+    const Eigen::Matrix2d c = position_bound(SceneRenderer(scene), frame / kFps, exposure_s,
                                              [&](double t) { return pose(t * kFps); });
     return std::sqrt(0.5 * c.trace());
   }
@@ -304,17 +293,6 @@ TEST_P(EverydayRobustness, RecordingThatStartsBeforeThePartIsThere) {
   EXPECT_EQ(result.summary.lost_counted, 0);
   EXPECT_TRUE(result.summary.gate_passed);
   EXPECT_LT(e.rms, 1.15 * r.bound(150));
-}
-
-TEST_P(Robustness, PartPutDownWhereTheUserSaysItIs) {
-  Recording r = recording();
-  r.steady = false;
-  r.change = [](int k, Scene& s) { s.disc.visible = k >= 30; };
-  r.pose = [](double k) { return ScenePose{{60.3 + 0.6 * std::max(0.0, k - 40), 60.2}, 0, {0, 0}}; };
-  const Outcome o = followed("put down later", r);
-  EXPECT_EQ(o.result.summary.absent_at_first, 30);
-  EXPECT_EQ(o.errors.count, r.frames - 30);
-  EXPECT_LT(o.errors.rms, 1.15 * o.bound);
 }
 
 TEST_P(Robustness, DiscsOf8And400Pixels) {

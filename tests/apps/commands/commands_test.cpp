@@ -16,9 +16,9 @@ using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 using Json = nlohmann::json;
 
-const std::vector<std::string> kCommands = {"simulate", "sweep", "synth",  "probe", "track",
-                                            "measure",  "fit",   "report", "run",   "bench",
-                                            "init",     "watch", "open",   "paper"};
+const std::vector<std::string> kCommands = {"simulate",  "sweep",   "synth", "probe",  "track",
+                                            "calibrate", "measure", "fit",   "report", "run",
+                                            "bench",     "init",    "watch", "open",   "paper"};
 
 class Commands : public ProgramTest {};
 
@@ -162,10 +162,10 @@ TEST_F(Commands, BootstrapLossAndRivalsAreToldInTheResult) {
   EXPECT_TRUE(fit["parameters"]["mu1"]["bootstrap_ci95"].is_array());
   EXPECT_THAT(run("fit c.toml -o fit.json --bootstrap 30").err, Not(HasSubstr("\r")));  // off a terminal
   EXPECT_GE(fit["models"].size(), 4U);
-  EXPECT_NE(run("fit c.toml -o fit.json --loss cauchy -q").exit_code, 2);
+  EXPECT_NE(run("fit c.toml -o fit.json --loss huber -q").exit_code, 2);
   fit = Json::parse(content_of(in_folder("fit.json")));
-  EXPECT_EQ(fit["loss"], "cauchy");
-  EXPECT_THAT(fit["covariance_meaning"].get<std::string>(), HasSubstr("Robust loss (Cauchy)"));
+  EXPECT_EQ(fit["loss"], "huber");
+  EXPECT_THAT(fit["covariance_meaning"].get<std::string>(), HasSubstr("Robust loss (Huber)"));
   expect_refused(run("fit c.toml -o fit.json --loss mean"), 2, {"--loss"});
 }
 

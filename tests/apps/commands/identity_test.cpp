@@ -1,10 +1,8 @@
 // What the program answers where it cannot know which disc is the part, or at which rate was recorded.
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -15,7 +13,6 @@ namespace tribotrack::apps {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 class Identity : public ProgramTest {
  protected:
@@ -39,18 +36,6 @@ class Identity : public ProgramTest {
       sink->write(picture);
     }
     sink->close();
-  }
-  /// Of the last row; the first row's is 0 in both kinds of table.
-  double last_theta(const std::string& csv) const {
-    std::istringstream text(content_of(in_folder(csv)));
-    std::string line, cell;
-    std::getline(text, line);
-    const auto place =
-        std::count(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(line.find("theta_rad")), ',');
-    while (std::getline(text, line)) cell = line;
-    std::istringstream cells(cell);
-    for (std::ptrdiff_t k = 0; k <= place; ++k) std::getline(cells, cell, ',');
-    return std::stod(cell);
   }
   void record_two(const std::string& name) {
     record(name, 500, [](int k) {
@@ -96,21 +81,6 @@ TEST_F(Identity, APlaybackRateNeedsAReason) {
   ASSERT_EQ(run(track + " --fps 30 --fps-reason 'set on the camera'").exit_code, 0);
   EXPECT_THAT(content_of(in_folder("t.csv.meta.json")), HasSubstr("given by the user: set on the camera"));
   expect_refused(run(track + " --fps-reason x"), 2, {"--fps"});
-}
-
-TEST_F(Identity, RotationHasItsColumnsWhereItIsSeen) {
-  put(in_folder("scene.toml"),
-      "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 60\n[video]\nwidth = "
-      "160\nheight = 120\nframe_rate_hz = 1000\nframes = 30\n[camera]\nmm_per_px = 0.05\n[disc]\nradius_px = "
-      "20\nspin_rad_s = -40\nscratches = 30\nhighlight = 0\n[surface]\ntexture_rms = 0\n");
-  ASSERT_EQ(run("synth scene.toml -o s.cine -q").exit_code, 0);
-  ASSERT_EQ(run("track s.cine --mm-per-px 0.05 -o t.csv -q").exit_code, 0);
-  EXPECT_THAT(content_of(in_folder("t.csv")), HasSubstr("sigma_x_mm,sigma_y_mm,theta_rad,sigma_theta_rad\n"));
-  EXPECT_NEAR(last_theta("t.csv"), last_theta("s.cine.truth.csv"), 0.02);
-  EXPECT_NEAR(last_theta("t.csv"), -40 * 0.029, 0.02);
-  record_two("two.cine");
-  ASSERT_EQ(run("track two.cine --disc 40.4,30.2,11 --mm-per-px 1 -o p.csv -q").exit_code, 0);
-  EXPECT_THAT(content_of(in_folder("p.csv")), Not(HasSubstr("theta_rad")));
 }
 
 }  // namespace

@@ -39,7 +39,6 @@ TEST_F(Outputs, AnInputIsNeverWrittenOver) {
   expect_kept("measure t.csv --omega-rad-s 62.8 -o t.csv", "t.csv", "is an input");
   std::filesystem::create_directory(in_folder("tracks"));
   ASSERT_EQ(run(track + "tracks/slide.csv").exit_code, 0);
-  expect_kept("fit c.toml --tracks tracks -o c.toml -q", "c.toml", "is an input");
   expect_kept("fit c.toml --tracks tracks -o tracks/slide.csv -q", "tracks/slide.csv", "is an input");
   put(in_folder("s.toml"), "[friction]\nmu1 = 0.1\n[sweep]\nover = [\"phi_rad=0:1:3\"]\n");
   expect_kept("simulate s.toml -o s.toml", "s.toml", "is an input");
@@ -47,15 +46,9 @@ TEST_F(Outputs, AnInputIsNeverWrittenOver) {
   expect_kept("synth scene.toml -o scene.toml", "scene.toml", "is an input");
 
   ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
-  for (const char* file : {"out/fit.json", "out/fit.json.meta.json", "out/tracks/slide.csv"})
+  for (const char* file : {"out/fit.json.meta.json", "out/tracks/slide.csv"})
     expect_kept(std::string("report out -q -o ") + file, file, "is an input");
   EXPECT_EQ(run("report out -q -o out/report.html").exit_code, 0);
-
-  // A recording that lies where `run` keeps its videos.
-  std::filesystem::create_directories(in_folder("mixed/tracks"));
-  std::filesystem::copy_file(in_folder("slide.cine"), in_folder("mixed/tracks/slide.mp4"));
-  put(in_folder("mixed.toml"), slides_campaign({"mixed/tracks/slide.mp4"}));
-  expect_kept("run mixed.toml -o mixed --overlay-videos -q", "mixed/tracks/slide.mp4", "is an input");
 }
 
 TEST_F(Outputs, AResultDoesNotTakeTheNameOfARecording) {

@@ -39,18 +39,6 @@ class ReportOutputs : public ProgramTest {
   }
 };
 
-TEST_F(ReportOutputs, TablesHoldTheNumbersOfTheFit) {
-  const Json mu1 = read_json(in_folder("out/fit.json"))["parameters"]["mu1"];
-  const std::string parameters = content_of(in_folder("out/parameters.csv"));
-  EXPECT_THAT(parameters, HasSubstr("\nmu1," + mu1["estimate"].dump() + "," + mu1["sd"].dump() + ","));
-  const std::string runs = content_of(in_folder("out/runs.csv"));
-  EXPECT_EQ(std::ranges::count(runs, '\n'), 7);
-  EXPECT_THAT(runs, HasSubstr("\n1,r0,"));
-  const std::string text = content_of(in_folder("out/report.txt"));
-  EXPECT_THAT(text, HasSubstr("Measured by hand\n6 runs"));
-  EXPECT_THAT(content_of(in_folder("out/report.html")), HasSubstr("<h1>Measured by hand</h1>"));
-}
-
 TEST_F(ReportOutputs, FiguresForPrintComeWithNumbersScriptAndFonts) {
   ASSERT_EQ(run("report out --figures figures -q").exit_code, 0);
   EXPECT_TRUE(content_of(in_folder("figures/runs.csv")) == content_of(in_folder("out/runs.csv")));

@@ -65,11 +65,7 @@ TEST(SettleAxes, EndsThatAreGivenStayAndTheOthersHoldTheData) {
   EXPECT_GT(ends(panel.y)[1], 5);
 }
 
-TEST(SettleAxes, BarsBeginAtZeroAndBandsHaveAnUpperEdge) {
-  const Panel bars =
-      settled({{.x = plot::axis(""), .y = plot::axis(""), .traces = {plot::bars({5}, {1}, {"a"}, {})}}})
-          .panels[0];
-  EXPECT_LT(ends(bars.x)[0], 0);
+TEST(SettleAxes, BandsHaveAnUpperEdge) {
   const Panel band = settled({{.x = plot::axis(""),
                                .y = plot::axis(""),
                                .traces = {plot::band("", {0, 1}, {0, 1}, {2, 3}, {})}}})
@@ -102,12 +98,6 @@ TEST(SettleAxes, NothingToShowStillHasARange) {
   EXPECT_LT(ends(panel.y)[0], ends(panel.y)[1]);
 }
 
-TEST(Thinned, AShortPathStaysAsItIs) {
-  const DrawnPath path = thinned({1, 2, 3}, {4, 5, 6}, 3);
-  EXPECT_THAT(path.x, ElementsAre(1, 2, 3));
-  EXPECT_THAT(path.y, ElementsAre(4, 5, 6));
-}
-
 TEST(Thinned, EveryKthPointOfALongOne) {
   std::vector<double> x(10);
   std::iota(x.begin(), x.end(), 0);
@@ -123,14 +113,6 @@ TEST(Thinned, EveryGapStaysAGap) {
       << "between drawn points";
   EXPECT_THAT(thinned({0, 1, kNone, 3, 4, 5}, {0, 1, 2, 3, 4, 5}, 3).x, ElementsAre(0, IsNan(), 4))
       << "on a drawn point";
-}
-
-TEST(Thinned, NothingGivesNothing) {
-  EXPECT_TRUE(thinned({}, {}, 10).x.empty());
-}
-
-TEST(Envelope, AShortSeriesStaysAsItIs) {
-  EXPECT_THAT(envelope({3, 1, 2}, 3), ElementsAre(0, 1, 2));
 }
 
 TEST(Envelope, NoOutlierIsLost) {
@@ -182,13 +164,6 @@ TEST(PlotlyJson, PanelsAreNumberedAndAnEmptyPlaceHasNoAxes) {
   EXPECT_EQ(json["data"][0]["yaxis"], "y2");
   EXPECT_EQ(layout["shapes"][0]["xref"], "x2 domain");
   EXPECT_EQ(layout["shapes"][0]["yref"], "y2");
-}
-
-TEST(FigureCsv, HoldsAllDigitsARowAPoint) {
-  const std::string csv = csv_of(narrow());
-  EXPECT_THAT(csv, HasSubstr("panel,series,mark,name,x,y,sd,y_high,note\n"));
-  EXPECT_THAT(csv, HasSubstr("2,1,points,\"a, \"\"b\"\"\",0.10000034567,3,0.123456,,r3\n"));
-  EXPECT_THAT(csv, HasSubstr(",0.1000002,,,,r2\n"));
 }
 
 }  // namespace

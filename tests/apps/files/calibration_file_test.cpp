@@ -17,12 +17,16 @@ using testing::HasSubstr;
 class CalibrationFiles : public ProgramTest {
  protected:
   static Json whole() {
-    return {{"width_px", 320},
-            {"height_px", 240},
-            {"mm_per_px_sd", 0.001},
-            {"camera_matrix", {{1000, 0, 160}, {0, 1000, 120}, {0, 0, 1}}},
-            {"distortion", {{"k1", 0}, {"k2", 0}, {"p1", 0}, {"p2", 0}, {"k3", 0}}},
-            {"plane", {{"rotation", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {"translation_mm", {0, 0, 100}}}}};
+    vision::CalibrationResult result;
+    vision::CameraCalibration& c = result.calibration;
+    c.width = 320;
+    c.height = 240;
+    c.mm_per_px = 0.1;
+    c.mm_per_px_sd = 0.001;
+    c.lens.fx = c.lens.fy = 1000;
+    c.plane.rotation.setIdentity();
+    c.plane.translation = {0, 0, 100};
+    return calibration_json(result);
   }
   std::string complaint(const std::function<void(Json&)>& damage) {
     Json json = whole();
@@ -34,9 +38,8 @@ class CalibrationFiles : public ProgramTest {
 
 TEST_F(CalibrationFiles, WhatIsMissingOrWrongIsNamed) {
   EXPECT_EQ(complaint([](Json&) {}), "no complaint");
-  EXPECT_THAT(
-      complaint([](Json& c) { c.erase("distortion"); }),
-      AllOf(HasSubstr("c.json: is no calibration: `distortion` is missing"), HasSubstr("help phone-video")));
+  EXPECT_THAT(complaint([](Json& c) { c.erase("distortion"); }),
+              AllOf(HasSubstr("c.json: is no calibration: `distortion` is missing"), HasSubstr("calibrate")));
   EXPECT_THAT(complaint([](Json& c) { c["width_px"] = 320.5; }),
               HasSubstr("`width_px` must be a whole number"));
   EXPECT_THAT(complaint([](Json& c) { c["width_px"] = 1LL << 40; }), HasSubstr("`width_px`"));
@@ -50,7 +53,7 @@ TEST_F(CalibrationFiles, WhatIsMissingOrWrongIsNamed) {
                 c["plane"]["rotation"][0] = {0, 0, 0};
               }),
               HasSubstr("`plane.rotation` must be a rotation"));
-  EXPECT_THAT(complaint([](Json& c) { c["camera_matrix"][0][0] = 0; }), HasSubstr("greater than 0"));
+  EXPECT_THAT(complaint([](Json& c) { c["mm_per_px"] = 0; }), HasSubstr("greater than 0"));
   EXPECT_THAT(complaint([](Json& c) { c = Json::array(); }), HasSubstr("must hold an object"));
 }
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "apps/open/browser.h"
+#include "apps/browser.h"
 #include "apps/program.h"
 
 namespace tribotrack::apps {

@@ -28,10 +28,9 @@ TEST(ReportText, NumbersThatAreNotFiniteAreSaidInSigns) {
 
 TEST(ReportText, AValueIsRoundedWhereItsSdHasTwoDigits) {
   EXPECT_EQ(quoted_value(0.100123, 0.00031), "0.10012(31)");
-  EXPECT_EQ(quoted_value(5.0263, 0.0139), "5.026(14)");
   EXPECT_EQ(quoted_value(-3.14159, 0.2), "−3.14(20)");
-  EXPECT_EQ(quoted_value(1234.5, 57), "1234(57)");
-  EXPECT_EQ(quoted_value(1234.5, 1234), "1234(1234)");
+  EXPECT_EQ(rounded(0.1, nan), "0.1") << "without an sd";
+  EXPECT_EQ(rounded(nan, 0.1), "–");
 }
 
 TEST(ReportText, AnIntervalKeepsTwoDigitsOfItsHalfWidth) {
@@ -52,13 +51,6 @@ TEST(ReportText, SentencesGetSymbolsNamesKeepTheirLetters) {
   EXPECT_EQ(sentence_html("mu1/mu2, mu1/8, 3 pi/2, A_e omega^2"), "μ₁/μ₂, μ₁/8, 3 π/2, Aₑ ω²");
 }
 
-TEST(ReportText, WithoutAnSdTheValueStandsAlone) {
-  EXPECT_EQ(rounded(0.1, nan), "0.1");
-  EXPECT_EQ(rounded(0.1, 0), "0.1");
-  EXPECT_EQ(rounded(0.1, infinity), "0.1");
-  EXPECT_EQ(rounded(nan, 0.1), "–");
-}
-
 TEST(ReportText, AnglesAreFractionsOfPiWhereTheyAre) {
   EXPECT_EQ(angle(0), "0");
   EXPECT_EQ(angle(pi), "π");
@@ -69,13 +61,6 @@ TEST(ReportText, AnglesAreFractionsOfPiWhereTheyAre) {
   EXPECT_EQ(angle(7 * pi / 12 + 5e-5), "7π/12");
   EXPECT_EQ(angle(pi / 3 + 1e-3), "1.048 rad");
   EXPECT_EQ(angle(nan), "–");
-}
-
-TEST(ReportText, KnownParametersAreExplained) {
-  EXPECT_EQ(parameter_text("mu1").symbol, "μ<sub>1</sub>");
-  EXPECT_EQ(parameter_text("phase_lag_rad").unit, "rad");
-  EXPECT_EQ(parameter_text("delay_s").unit, "s");
-  EXPECT_EQ(parameter_text("<new>").symbol, "&lt;new&gt;");
 }
 
 // RFC 4648, section 10.

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
 #include "apps/files/scenario_file.h"
 #include "apps/page/assets/embedded_assets.h"
@@ -75,26 +74,6 @@ TEST(PaperFigures, FollowTheFilesOfTheRepository) {
       "μ₁ = 0.1, g = 9.81 m/s², Aₑ = 0.28 mm, ω = 62.8 rad/s, ε = π/2, φ = 0, Δτ = π/6";
   EXPECT_THAT(figure(6).caption, HasSubstr("b: " + conditions + "; 20 cycles from rest. "));
   EXPECT_EQ(figure(4).panels[2].title, "c: φ = 11π/9, Δτ = π/4");
-}
-
-TEST(PaperFigures, EachHasItsPanelsAndCurves) {
-  std::vector<std::string> ids;
-  std::vector<std::size_t> panels;
-  for (const PaperFigure& f : paper().figures) {
-    ids.push_back(f.id);
-    panels.push_back(f.panels.size());
-    for (const Panel& panel : f.panels)
-      for (const Json& trace : panel.traces) {
-        EXPECT_EQ(trace["x"].size(), trace["y"].size()) << f.id;
-        EXPECT_FALSE(trace["x"].empty()) << f.id;
-      }
-  }
-  EXPECT_EQ(ids, (std::vector<std::string>{"figure3", "figure4", "figure5", "figure6", "figure7", "figure9",
-                                           "figure10", "figure11"}));
-  EXPECT_EQ(panels, (std::vector<std::size_t>{3, 4, 2, 4, 4, 2, 1, 3}));
-  for (const int number : {4, 5, 11})
-    for (const Panel& panel : figure(number).panels) EXPECT_TRUE(panel.equal_scale);
-  for (const Panel& panel : figure(5).panels) EXPECT_EQ(panel.traces.size(), 9u) << "eight and their numbers";
 }
 
 TEST(PaperFigures, TrajectoriesEndWhereARunEnds) {
@@ -218,34 +197,6 @@ TEST(PaperPage, EveryClaimStandsOnceWithItsVerdict) {
   }
 }
 
-TEST(PaperPage, EveryFigureHasASectionWithItsClaims) {
-  const std::string page = page_of(paper());
-  for (const PaperFigure& figure : paper().figures) {
-    const std::size_t begin = page.find("<section id=\"" + figure.id + "\"");
-    ASSERT_NE(begin, std::string::npos) << figure.id;
-    const std::string section = page.substr(begin, page.find("</section>", begin) - begin);
-    EXPECT_EQ(count(section, "id=\"plot-" + figure.id + "\""), 1u);
-    std::size_t claims = 0;
-    for (const Claim& claim : paper().claims) claims += claim.figure == figure.number;
-    EXPECT_GE(claims, 1u) << figure.id;
-    EXPECT_EQ(count(section, "<h3>"), claims) << figure.id;
-    EXPECT_EQ(count(section, "side only"), figure.number >= 9 ? 1u : 0u) << figure.id;
-  }
-}
-
-TEST(PaperTable, HasARowForEachClaim) {
-  std::istringstream csv(claims_csv(paper()));
-  std::string line;
-  std::getline(csv, line);
-  EXPECT_EQ(line, "figure,place,claim,verdict,quantity,conditions,value,unit,statement,finding");
-  for (const Claim& claim : paper().claims) {
-    ASSERT_TRUE(std::getline(csv, line));
-    EXPECT_THAT(line, HasSubstr("\"" + std::string(claim.name) + "\"," + to_string(claim.verdict)));
-    EXPECT_EQ(std::string_view(claim.statement).find('"'), std::string_view::npos);
-  }
-  EXPECT_FALSE(std::getline(csv, line));
-}
-
 class PaperCommand : public ProgramTest {};
 
 TEST_F(PaperCommand, WritesThePageAndItsTables) {
@@ -254,11 +205,6 @@ TEST_F(PaperCommand, WritesThePageAndItsTables) {
   EXPECT_EQ(outcome.out, "");
   EXPECT_THAT(outcome.err, HasSubstr("8 figures, 20 claims"));
   std::vector<std::string> names = {"paper.html", "claims.csv"};
-  for (const PaperFigure& figure : paper().figures) {
-    names.push_back(figure.id + ".csv");
-    EXPECT_THAT(content_of(in_folder("out") / names.back()), testing::StartsWith("panel,series,"))
-        << figure.id;
-  }
   for (const std::string& name : names) {
     EXPECT_TRUE(std::filesystem::exists(in_folder("out") / name)) << name;
     EXPECT_TRUE(std::filesystem::exists(in_folder("out") / (name + ".meta.json"))) << name;

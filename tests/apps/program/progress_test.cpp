@@ -1,16 +1,10 @@
 // Progress says how far the work is, how fast, and how long it still takes.
 #include <gmock/gmock.h>
 
-#include <cstdio>
-#include <cstdlib>
-#include <functional>
-
 #include "apps/program.h"
 #include "apps/program/progress.h"
-#include "apps/program/streams.h"
 
 namespace tribotrack::apps {
-
 namespace {
 
 TEST(ProgressText, TellsShareRateAndTimeLeft) {
@@ -19,61 +13,6 @@ TEST(ProgressText, TellsShareRateAndTimeLeft) {
   EXPECT_EQ(progress_text(3, 12, "", 2), "3/12 (25 %), 6 s left");
   EXPECT_EQ(progress_text(0, 12, "frames", 2), "0/12 (0 %)");
   EXPECT_EQ(progress_text(12, 12, "frames", 0), "12/12 (100 %)");
-}
-
-std::string shown(ProgressStyle style, bool last) {
-  char* text = nullptr;
-  std::size_t size = 0;
-  std::FILE* to = ::open_memstream(&text, &size);
-  {
-    ProgressLine line(style, to);
-    for (int k = 0; k < 3; ++k)
-      if (line.is_due(last)) line.show("work: 1/2");
-  }
-  std::fclose(to);
-  std::string result(text, size);
-  std::free(text);
-  return result;
-}
-
-TEST(ProgressLine, OnATerminalIsRewrittenAndTakenAway) {
-  EXPECT_EQ(shown(ProgressStyle::rewritten, false), "\r\033[Kwork: 1/2\r\033[K");
-  EXPECT_EQ(shown(ProgressStyle::rewritten, true),
-            "\r\033[Kwork: 1/2\r\033[Kwork: 1/2\r\033[Kwork: 1/2\r\033[K");
-}
-
-// Several recordings at once, of different length, some of them done long ago.
-
-using ::testing::HasSubstr;
-
-std::string last_line(const std::vector<std::uintmax_t>& sizes,
-                      const std::function<void(RunsProgress&)>& work) {
-  char* text = nullptr;
-  std::size_t size = 0;
-  std::FILE* to = ::open_memstream(&text, &size);
-  {
-    RunsProgress progress(sizes, ProgressStyle::rewritten, to);
-    work(progress);
-  }
-  std::fclose(to);
-  std::string lines(text, size);
-  std::free(text);
-  const std::string clear = "\r\033[K";
-  lines.resize(lines.size() - clear.size());
-  return lines.substr(lines.rfind(clear) + clear.size());
-}
-
-TEST(RunsProgress, TheShareDoneIsOfTheRecordingsSizes) {
-  EXPECT_THAT(last_line({300, 100}, [](RunsProgress& progress) { progress.update(0, 500, 1000); }),
-              HasSubstr("runs: 0/2 (37 %), "));
-  EXPECT_THAT(last_line({300, 100},
-                        [](RunsProgress& progress) {
-                          progress.update(0, 500, 1000);
-                          progress.update(1, 100, 100);
-                          progress.finish(0);
-                          progress.finish(1);
-                        }),
-              HasSubstr("runs: 2/2 (100 %), "));
 }
 
 class Streams : public ProgramTest {};
@@ -90,5 +29,4 @@ TEST_F(Streams, WhatAFileHoldsDoesNotControlTheTerminal) {
 }
 
 }  // namespace
-
 }  // namespace tribotrack::apps

@@ -1,12 +1,10 @@
-// The page of `run` and of a later `report`: the same bytes, the same numbers in drawings and text, and what
-// a damaged folder is refused with.
+// The page of `run` and of a later `report`: the same bytes, the same numbers in drawings and text.
 #include "apps/report/report.h"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "apps/files/track_file.h"
 #include "apps/program.h"
@@ -14,8 +12,6 @@
 
 namespace tribotrack::apps {
 namespace {
-
-using testing::HasSubstr;
 
 /// Two recordings with marker and lamp, scaled by the part's diameter and so by one scale, a run measured
 /// elsewhere and one whose recording is missing.
@@ -145,75 +141,6 @@ TEST_F(ReportOfARun, TheGateDrawnIsTheGateMeasured) {
   measured["dtau_rad"] = wider;
   put(folder().measurement("a"), text_of(measured));
   EXPECT_NEAR(lit_width(collect(folder()).runs[0].modelled_lamp), wider, 0.02);
-}
-
-TEST_F(ReportOfARun, AMissingTrackIsAWarningOnThePage) {
-  std::filesystem::remove(folder().track("b"));
-  EXPECT_THAT(collect(folder()).warnings, testing::Contains(HasSubstr("run b: tracks/b.csv is missing")));
-}
-
-/// Runs measured elsewhere: a folder without recordings.
-class DamagedReport : public ProgramTest {
- protected:
-  void SetUp() override {
-    ProgramTest::SetUp();
-    put(in_folder("c.toml"), R"(
-[platform]
-amplitude_mm = 0.28
-angular_frequency_rad_s = 62.8
-[fit]
-parameters = ["mu1"]
-[fit.fixed]
-mu2 = 0.0125
-phase_lag_rad = 0
-[[run]]
-name = "a"
-phi_rad = 0
-dtau_rad = "pi/3"
-alpha_rad = 5.6
-alpha_sd_rad = 0.02
-v_mm_s = 3.93
-v_sd_mm_s = 0.02
-[[run]]
-name = "b"
-phi_rad = 1
-dtau_rad = "pi/3"
-alpha_rad = 4.6
-alpha_sd_rad = 0.02
-v_mm_s = 3.93
-v_sd_mm_s = 0.02
-)");
-    const Outcome outcome = run("run c.toml -o out -q");
-    ASSERT_TRUE(outcome.exit_code == 0) << outcome.err;
-    ASSERT_EQ(run("report out -o r.html -q").exit_code, 0);
-    std::filesystem::remove(in_folder("r.html"));
-  }
-
-  /// Changes a file of the folder; the page must then be refused with these words, and restores it.
-  void expect_refused_after(const std::string& file, const std::function<void(Json&)>& damage,
-                            const std::vector<std::string>& words) {
-    const std::filesystem::path path = in_folder("out") / file;
-    const std::string whole = content_of(path);
-    Json json = read_json(path);
-    damage(json);
-    put(path, text_of(json));
-    expect_refused(run("report out -o r.html"), 3, words);
-    EXPECT_FALSE(std::filesystem::exists(in_folder("r.html")));
-    put(path, whole);
-  }
-};
-
-TEST_F(DamagedReport, WrongContentIsRefusedWithFileAndKey) {
-  const std::string fit = "fit.json", meta = "fit.json.meta.json";
-  expect_refused_after(fit, [](Json& f) { f["runs"] = Json::array(); }, {"out/fit.json", "`runs`"});
-  expect_refused_after(fit, [](Json& f) { f["runs"][1].erase("name"); },
-                       {"out/fit.json", "`runs[1].name` is missing"});
-  expect_refused_after(fit, [](Json& f) { f["runs"][0]["name"] = "../../secret"; },
-                       {"out/fit.json", "`runs[0].name`"});
-  expect_refused_after(meta, [](Json& m) { m["schema"] = 99; },
-                       {"out/fit.json.meta.json", "`schema` is 99", "reads up to 1"});
-  expect_refused_after(meta, [](Json& m) { m["configuration"]["runs"].erase(1); },
-                       {"out/fit.json.meta.json", "`configuration.runs[1]` is missing"});
 }
 
 }  // namespace

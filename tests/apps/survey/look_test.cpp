@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/chromium.h"
+#include "apps/browser.h"
 #include "apps/program.h"
 
 namespace tribotrack::apps {
@@ -46,18 +46,15 @@ TEST_F(Look, ProbeWritesPicturePageAndTheLinesToPaste) {
 using LookInChromium = Look;
 
 TEST_F(LookInChromium, ThePageWorks) {
-  const auto browser = test::chromium();
-  if (!browser) GTEST_SKIP() << "no Chromium";
+  const auto program = test::chromium();
+  if (!program) GTEST_SKIP() << "no Chromium";
   film("a.cine");
   ASSERT_EQ(run("probe a.cine --page first.html").exit_code, 0);
-  const std::string dom =
-      test::output_of(*browser +
-                      " --headless --no-sandbox --disable-gpu --virtual-time-budget=8000 --dump-dom "
-                      "'file://" +
-                      in_folder("first.html").string() + "' 2>/dev/null");
-  EXPECT_THAT(dom, HasSubstr("data-errors=\"0\""));
-  EXPECT_THAT(dom, HasSubstr("disc_px = [")) << "the script has written the lines";
-  EXPECT_THAT(dom, HasSubstr("marker_px = ["));
+  test::DrivenBrowser browser(*program);
+  browser.open_page("file://" + in_folder("first.html").string());
+  EXPECT_TRUE(browser.wait_for("document.body.innerText.includes('marker_px = [')"))
+      << "the script has written the lines: " << browser.value("return document.body.innerText");
+  EXPECT_EQ(browser.value("return document.documentElement.dataset.errors"), "0");
 }
 
 TEST_F(Look, InitFromAFolderIsACampaignThatRuns) {

@@ -21,18 +21,13 @@ using testing::HasSubstr;
 
 constexpr double kAlphaSd = 0.002, kSpeedSd = 0.002;  // of a good camera
 
-FitOptions quick() {
-  FitOptions options;
-  options.next_experiment = options.profiles = false;
-  options.multi_starts = 4;
-  return options;
-}
+const FitOptions kQuick{.multi_starts = 4, .profiles = false, .next_experiment = false};
 
 FitResult fitted(const Laboratory& lab, unsigned seed, const std::vector<Condition>& conditions = {}) {
   std::mt19937 random(seed);
   Problem problem = campaign(lab, kAlphaSd, kSpeedSd, random);
   problem.conditions = conditions;
-  return estimate(problem, quick());
+  return estimate(problem, kQuick);
 }
 
 bool holds(const FitResult& result, FitParameter parameter, double truth) {
@@ -123,7 +118,7 @@ TEST(HeldOut, RunsArePredictedByTheFitToTheOthers) {
     Problem problem = campaign({.bad_run = bad}, kAlphaSd, kSpeedSd, random), without = problem;
     problem.summary_runs[3].held_out = true;
     without.summary_runs.erase(without.summary_runs.begin() + 3);
-    const FitResult result = estimate(problem, quick()), fewer = estimate(without, quick());
+    const FitResult result = estimate(problem, kQuick), fewer = estimate(without, kQuick);
     EXPECT_EQ(result.dof, fewer.dof);
     EXPECT_NEAR(result.value(FitParameter::mu1), fewer.value(FitParameter::mu1),
                 1e-3 * fewer.parameters[0].sd);

@@ -25,7 +25,7 @@ const Problem& table() {
     made.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
     std::mt19937 random(3);
     for (const model::Scenario& scenario : test::fourteen({}))
-      made.summary_runs.push_back(test::summary_run(scenario, 0.0175, 4e-5, &random, 1000));
+      made.summary_runs.push_back(test::summary_run(scenario, 0.0175, 4e-5, &random));
     return made;
   }();
   return problem;

@@ -222,22 +222,6 @@ TEST(Conditions, AStartThatOthersTellIsItsOwnUnknown) {
   EXPECT_THAT(pooled({untold}, shared).taken_as_exact, Contains(Source::start_phase));
 }
 
-TEST(Conditions, GivenAndMeasuredMeetByTheirWeights) {
-  std::vector<RunEvidence> runs(2, shown());
-  for (const double given_sd : {1e-4, 3e-5}) {  // the marks tell 7.1e-5
-    for (RunEvidence& run : runs) run.amplitude = all(0.28e-3 * 1.0002, 0.28e-3 * 1.0002 * given_sd);
-    const Conditions c = pooled(runs);
-    const double x = 1 / 1.0002, g = std::pow(given_sd, -2), m = std::pow(1e-4 * x / std::sqrt(2.0), -2);
-    const PooledQuantity& a = *c.find(Source::amplitude);
-    EXPECT_NEAR(a.used.value, 0.28e-3 * 1.0002 * (g + m * x) / (g + m), 1e-15);
-    EXPECT_NEAR(a.used.sd / a.used.value, 1 / std::sqrt(g + m), 1e-12);
-    EXPECT_EQ(c.from(a), "campaign and marker, 2 runs");
-    EXPECT_EQ(c.runs[0].amplitude_from_track, m > g);
-    EXPECT_NEAR(a.shared_sd, 1 / std::sqrt(g + m), 1e-12);
-    EXPECT_TRUE(a.known_beforehand);
-  }
-}
-
 TEST(Conditions, RunsCommandedDifferentlyArePooledByTheirRatio) {
   std::vector<RunEvidence> runs = {shown(0.202e-3), shown(0.303e-3), shown(0.404e-3)};
   for (std::size_t k = 0; k < 3; ++k) {

@@ -88,18 +88,5 @@ TEST(OwnErrors, OfARunMeasuredElsewhereAreThoseGiven) {
   EXPECT_NEAR(timing.own.sd(Parameter::start_phase), 0.02, 1e-15);
 }
 
-TEST(OwnErrors, WithoutTakesRowsAndColumns) {
-  OwnErrors own;
-  own.add(Parameter::phi, 4);
-  own.add(Parameter::dtau, 9);
-  own.add(Parameter::start_phase, 16);
-  own.add(Parameter::phi, Parameter::start_phase, 5);
-  const OwnErrors rest = own.without(Parameter::dtau);
-  EXPECT_EQ(rest.parameters, (std::vector{Parameter::phi, Parameter::start_phase}));
-  EXPECT_EQ(rest.covariance, (Eigen::Matrix2d() << 4, 5, 5, 16).finished());
-  EXPECT_EQ(rest.sd(Parameter::dtau), 0);
-  EXPECT_EQ(rest.sd(Parameter::start_phase), 4);
-}
-
 }  // namespace
 }  // namespace tribotrack::fit

@@ -32,15 +32,6 @@ TEST(PooledPoints, RepeatsOfOneSdGiveItOverTheRootOfTheirNumber) {
   }
 }
 
-TEST(PooledPoints, OneMeasurementStaysToTheLastBit) {
-  const PooledPoints pooled =
-      pool_points(std::vector{at(0, 6.1, 0.02, 1.7e-3, 4e-5), at(1, -0.3, 0.1, 0, 1e-5)});
-  EXPECT_EQ(pooled.points[0].alpha.value, 6.1);
-  EXPECT_EQ(pooled.points[0].velocity.sd, 4e-5);
-  EXPECT_EQ(pooled.points[1].alpha.value, -0.3);
-  EXPECT_EQ(pooled.points[1].velocity.value, 0);
-}
-
 TEST(PooledPoints, DirectionsOnBothSidesOfZeroAreNear) {
   const PooledPoints pooled =
       pool_points(std::vector{at(0, 0.1, 0.05, 2e-3, 1e-4), at(0, 2 * pi - 0.1, 0.05, 2e-3, 1e-4)});
@@ -97,13 +88,6 @@ TEST(PooledPoints, AScatterThatGrowsWithTheSpeedIsAShareOfIt) {
   EXPECT_FALSE(even.across.relative);
   EXPECT_NEAR(even.points[1].velocity.sd / even.points[0].velocity.sd, 1, 1e-9);
   EXPECT_NEAR(even.points[1].alpha.sd / even.points[0].alpha.sd, 0.1, 1e-3);
-}
-
-TEST(PooledPoints, WithNeitherSdsNorRepeatsNothingIsKnown) {
-  const PooledPoints pooled = pool_points(std::vector{at(0, 1, 0, 5e-3, 0), at(1, 2, 0, 5e-3, 0)});
-  EXPECT_EQ(pooled.along.dof + pooled.across.dof, 0u);
-  EXPECT_EQ(pooled.points[0].alpha.sd, 0);
-  EXPECT_EQ(pooled.points[1].velocity.sd, 0);
 }
 
 TEST(PooledPoints, IntervalsFromTheScatterHoldInNinetyFiveOfAHundred) {

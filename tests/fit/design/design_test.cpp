@@ -35,7 +35,7 @@ TEST(Profile, Mu2CompatibleWithZeroIsOneSided) {
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   for (const auto& s : test::fourteen({0.1, 0.0004, 0.1}))
-    problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random, 1000));
+    problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random));
   FitOptions options;
   options.multi_starts = 2;
   const FitResult result = estimate(problem, options);
@@ -55,7 +55,7 @@ TEST(Profile, ABetterOptimumRestartsThem) {
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   for (const auto& s : test::fourteen({}))
     if (s.friction.phase < 0.5)
-      problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random, 1000));
+      problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random));
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
@@ -79,19 +79,6 @@ TEST(Profile, ABetterOptimumRestartsThem) {
     EXPECT_NEAR(there.low, here.low, 0.02 * (here.high - here.low));
     EXPECT_NEAR(there.high, here.high, 0.02 * (here.high - here.low));
   }
-}
-
-TEST(Threads, DoNotChangeTheAnswer) {
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  std::mt19937 random(9);
-  for (int k = 0; k < 4; ++k)
-    problem.summary_runs.push_back(
-        test::summary_run(test::scenario({}, k, 0.5 + 0.5 * k), 0.01, 0.05e-3, &random, 500));
-  FitOptions one, many;
-  many.threads = 4;
-  const FitResult a = estimate(problem, one), b = estimate(problem, many);
-  EXPECT_EQ(a.full_report(), b.full_report());
 }
 
 }  // namespace

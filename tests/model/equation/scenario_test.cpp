@@ -79,22 +79,5 @@ TEST(Scenario, LegalExtremes) {
   }
 }
 
-TEST(Scenario, GetReturnsWhatSetStored) {
-  Scenario s;
-  for (int p = 0; p <= static_cast<int>(Parameter::start_phase); ++p)
-    s.set(static_cast<Parameter>(p), p + 0.5);
-  for (int p = 0; p <= static_cast<int>(Parameter::start_phase); ++p)
-    EXPECT_EQ(s.get(static_cast<Parameter>(p)), p + 0.5);
-}
-
-TEST(Scenario, EndTime) {
-  Scenario s;
-  s.drive.angular_frequency = 10;
-  s.cycles = 5;
-  EXPECT_DOUBLE_EQ(s.end_time(), std::numbers::pi);
-  s.duration = 2;
-  EXPECT_EQ(s.end_time(), 2);
-}
-
 }  // namespace
 }  // namespace tribotrack::model

@@ -72,11 +72,6 @@ TEST_F(CodedTrackTest, SlowMotionThroughH264) {
   EXPECT_LT(seen.rms / seen.sd, 1.5);
 }
 
-TEST_F(CodedTrackTest, LosslessIsNotCoded) {
-  const auto source = open_source(coded("exact.mkv", {.codec = Codec::ffv1}), {.frame_rate_hz = 1000});
-  EXPECT_FALSE(track(*source, options()).summary.coded);
-}
-
 TEST_F(CodedTrackTest, FramesByThemselvesComeNeitherLateNorSmall) {
   const auto source = open_source(coded("intra.avi", {.codec = Codec::mjpeg}), {.frame_rate_hz = 1000});
   const TrackResult result = track(*source, options());

@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
 
-#include <fstream>
-#include <sstream>
-
+#include "vision/recordings.h"
 #include "vision/temporary_file.h"
 
 namespace tribotrack::vision {
@@ -10,44 +8,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class TemporaryFiles : public ::testing::Test {
- protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "tribotrack-test-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  static std::string content_of(const fs::path& file) {
-    std::ostringstream text;
-    text << std::ifstream(file, std::ios::binary).rdbuf();
-    return text.str();
-  }
-  fs::path folder_;
-};
+class TemporaryFiles : public RecordingTest {};
+
+std::string content_of(const fs::path& path) {
+  const FileBytes bytes = read_bytes(path);
+  return {bytes.begin(), bytes.end()};
+}
 
 TEST_F(TemporaryFiles, AFileWrittenAnewKeepsItsMode) {
-  const fs::path target = folder_ / "x.csv";
+  const fs::path target = file("x.csv");
   std::ofstream(target) << "before";
   fs::permissions(target, fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_exec);
   const fs::perms mode = fs::status(target).permissions();
-  TemporaryFile file(target);
-  file.write(std::string_view("after"));
-  file.commit();
+  TemporaryFile written(target);
+  written.write(std::string_view("after"));
+  written.commit();
   EXPECT_EQ(content_of(target), "after");
   EXPECT_EQ(fs::status(target).permissions(), mode);
 }
 
 TEST_F(TemporaryFiles, NamesAreNotToBeForeseenAndNoLinkIsFollowed) {
-  const fs::path target = folder_ / "x.csv", victim = folder_ / "victim";
+  const fs::path target = file("x.csv"), victim = file("victim");
   std::ofstream(victim) << "mine";
-  TemporaryFile file(target), other(target);
-  EXPECT_NE(file.path().string().substr(0, file.path().string().size() - 4),
+  TemporaryFile written(target), other(target);
+  EXPECT_NE(written.path().string().substr(0, written.path().string().size() - 4),
             other.path().string().substr(0, other.path().string().size() - 4));
-  fs::remove(file.path());
-  fs::create_symlink(victim, file.path());
-  EXPECT_THROW(file.write(std::string_view("theirs")), OutputError);
-  EXPECT_THROW(file.commit(), OutputError);
+  fs::remove(written.path());
+  fs::create_symlink(victim, written.path());
+  EXPECT_THROW(written.write(std::string_view("theirs")), OutputError);
+  EXPECT_THROW(written.commit(), OutputError);
   EXPECT_EQ(content_of(victim), "mine");
   EXPECT_FALSE(fs::exists(target));
 }

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 #include <vector>
 
 #include "vision/time_base.h"
@@ -103,21 +102,6 @@ TEST(Clock, FramesMissingAreCountedInTicksOfAnyClock) {
       EXPECT_THAT(given.notes, ::testing::Contains(HasSubstr("gaps and changes stay")));
     }
   }
-}
-
-TEST(Clock, TheRateIsOfAllStampsAndNotOfRoundedSteps) {
-  const auto judged = judge(rounded_stamps(239.4, 1e-3, 4000), 1e-3, 0);  // steps of 4 and 5
-  EXPECT_TRUE(judged.accepted) << judged.reason;
-  EXPECT_NEAR(judged.rate_hz, 239.4, 1e-3);
-}
-
-TEST(Clock, AGapInASlowedRecordingIsAGapInTheRealOne) {
-  // Recorded at 240 Hz, stored to play at 29.97: the user's word sets the unit, the stamps show the gap.
-  const auto evidence = stamps_of(rounded_stamps(30000.0 / 1001, 1e-6, 1001, {500}), 1e-6);
-  EXPECT_THAT(time_by(evidence).base.why_unknown(), HasSubstr("playback rate"));
-  const TimeBase base = time_by(evidence, 240).base;
-  EXPECT_DOUBLE_EQ(base.time_s(499), 499 / 240.0);
-  EXPECT_DOUBLE_EQ(base.time_s(500), 501 / 240.0);
 }
 
 TEST(Clock, ASlotWithoutAPictureIsAGap) {
@@ -232,19 +216,6 @@ TEST(StampCheck, AnImageFromAnotherDayIsAStray) {
   const StampCheck found = check({{233, 0.01}, {1, 2.5e7}});
   EXPECT_THAT(found.strays, ElementsAre(234));
   EXPECT_THAT(findings(found, 0), ElementsAre(HasSubstr("image 234")));
-}
-
-TEST(StampCheck, JitterAllAlongIsAVariableRate) {
-  const unsigned seed = 3;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> step(0.003, 0.006);
-  std::vector<std::pair<int, double>> steps;
-  for (int k = 0; k < 200; ++k) steps.emplace_back(1, step(random));
-  const StampCheck found = check(steps);
-  EXPECT_TRUE(found.variable);
-  EXPECT_THAT(found.missing, IsEmpty());
-  EXPECT_THAT(findings(found, 0), ElementsAre(HasSubstr("varies all along")));
 }
 
 }  // namespace

@@ -96,31 +96,5 @@ TEST(TurningMetal, ALookAlikeIsNotTakenForMetalThatHasGone) {
   }
 }
 
-/// The hand that put the part down lies over it in the first frames, and is what the first template shows.
-TEST(Tracking, BeginsAgainWhereAHandHasLeftThePart) {
-  std::mt19937 random(5);
-  const test::Waves skin = test::random_waves(random, 12, 15, 20);
-  RenderedSource frames{140, 100, 60, [=](std::int64_t k) {
-                          const auto t = static_cast<double>(k);
-                          TestScene scene;
-                          scene.width = 140;
-                          scene.height = 100;
-                          scene.discs = {{50 + 0.4 * t, 52.3, 18, 0, 140, {}}};
-                          if (k < 20)
-                            scene.discs.push_back({-145 - 4 * std::max(0.0, t - 8), 48, 200, 0, 110, skin});
-                          std::mt19937 noise(static_cast<unsigned>(70 + k));
-                          return test::noisy(scene.render(), 2, noise);
-                        }};
-  TrackOptions options;
-  options.target = {Target::Kind::disc, {50, 52.3, 18}, {}};
-  const TrackResult result = track(frames, options);
-  EXPECT_GE(result.summary.ok, 40);
-  for (const TrackPoint& p : result.track.points) {
-    if (p.status == TrackStatus::ok) {
-      EXPECT_NEAR(p.x - 50 - 0.4 * static_cast<double>(p.frame), 0, 0.1) << p.frame;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace tribotrack::vision

@@ -32,14 +32,6 @@ TEST(CheckSection, ChiSquareIsReadAgainstWhatChanceAllows) {
           "χ² so large in fewer than one of 1000 campaigns."));
 }
 
-TEST(CheckSection, WithoutSpareDataNothingChecksTheModel) {
-  ReportData data = sample::campaign();
-  data.fit.dof = 0;
-  data.fit.p_value = 1;
-  EXPECT_THAT(check_of(data), HasSubstr("with 0 degrees of freedom: as many data as unknowns"));
-  EXPECT_THAT(check_of(data), Not(HasSubstr("p = ")));
-}
-
 TEST(CheckSection, OutlyingRunsAreNamedWithWhatTheyLookLike) {
   ReportData data = sample::campaign();
   data.fit.outliers = {{"phi90_dtau60", 12.3, 3e-8, sample::pi, ""}, {"elsewhere", 5.0, 0, {}, ""}};
@@ -52,18 +44,6 @@ TEST(CheckSection, OutlyingRunsAreNamedWithWhatTheyLookLike) {
                         "<td class=\"n\">–</td><td class=\"n\">–</td>"));
   data.fit.outliers[0].looks_like_phi.reset();
   EXPECT_THAT(check_of(data), Not(HasSubstr("that would fit")));
-}
-
-TEST(CheckSection, RunsKeptOutStandWithWhatWasPredicted) {
-  ReportData data = sample::campaign();
-  EXPECT_THAT(check_of(data), Not(HasSubstr("Runs kept out")));
-  ReportRun& run = data.runs.front();
-  run.fitted.prediction = fit::RunResult::Prediction{4.2, 0.12};
-  run.fitted.residuals = {{"alpha_rad", 1.25, 1.23, 0.02, 1}, {"v_mm_s", 2.5, 2.4, 0.1, 1}};
-  EXPECT_THAT(
-      check_of(data),
-      HasSubstr("<td class=\"n\">1.250(20)</td><td class=\"n\">1.230</td><td class=\"n\">2.50(10)</td><td "
-                "class=\"n\">2.40</td><td class=\"n\">0.1</td>"));
 }
 
 TEST(CheckSection, ExplanationsStandBesideWhatWasAssumed) {
@@ -89,10 +69,6 @@ TEST(CheckSection, ExplanationsStandBesideWhatWasAssumed) {
                               "<td class=\"n\">0.00100(10) rad</td><td class=\"n\">0.1030(10)</td>"));
   EXPECT_THAT(html, HasSubstr("tilt &lt;a&gt;"));
   EXPECT_THAT(html, HasSubstr("<li>Something was not needed.</li>"));
-}
-
-TEST(CheckSection, IsLeftOutWithoutAFit) {
-  EXPECT_EQ(check_of(ReportData{}), "");
 }
 
 }  // namespace

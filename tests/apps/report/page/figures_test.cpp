@@ -59,15 +59,6 @@ TEST(Dependence, ACurveRunningUpThrough2PiIsBrokenThere) {
   EXPECT_EQ(line.y[4], 0.3);
 }
 
-TEST(Dependence, ACurveRunningDownThrough0IsBrokenThere) {
-  const DrawnPath line = line_of({0, 1}, {0.3, 2 * pi - 0.1});
-  ASSERT_EQ(line.x.size(), 5u);
-  EXPECT_NEAR(line.x[1], 0.75, 1e-12);
-  EXPECT_EQ(line.y[1], 0);
-  EXPECT_TRUE(std::isnan(line.y[2]));
-  EXPECT_EQ(line.y[3], 2 * pi);
-}
-
 // No two neighbours of the drawn line are ever more than half a turn apart.
 TEST(Dependence, NoVerticalLineIsEverDrawn) {
   std::vector<double> x, y;
@@ -145,13 +136,6 @@ TEST(Dependence, MoreGroupsThanALegendHoldsAreToldApartByColour) {
   EXPECT_EQ(first(figure.panels[0], "lines")["line"]["color"], scale["colorscale"][0][1]);
   EXPECT_EQ(figure.panels[0].traces.back()["marker"]["color"], scale["colorscale"].back()[1]);
   EXPECT_THAT(figure.caption, HasSubstr("Colour tells the value"));
-}
-
-TEST(Dependence, WithoutRunsToCompareThereIsNoFigure) {
-  ReportData data = sample::campaign();
-  data.over_dtau.clear();
-  EXPECT_EQ(dependence_figures(data).size(), 2u);
-  EXPECT_TRUE(dependence_figures(ReportData{}).empty());
 }
 
 }  // namespace
@@ -243,14 +227,6 @@ TEST(ReportFigures, PairsLieInTheirRegions) {
   }
 }
 
-TEST(ReportFigures, SharesOfTheBudgetAreThoseOfTheVariance) {
-  const Figure f = figure(campaign_figures(sample::campaign()), "budget-shares");
-  ASSERT_EQ(f.panels.size(), 3u);
-  const Json& bars = f.panels[0].traces[0];
-  EXPECT_THAT(bars["text"].get<Notes>(), testing::ElementsAre("tracking noise", "scale"));
-  EXPECT_NEAR(bars["x"][0].get<double>(), 100 * std::pow(0.00029 / 0.00031, 2), 1e-9);
-}
-
 TEST(ReportFigures, ARunOverTimeShowsWhereThePartWasLost) {
   const ReportData data = sample::campaign();
   const Figure f = run_figures(data, 7).front();
@@ -259,27 +235,6 @@ TEST(ReportFigures, ARunOverTimeShowsWhereThePartWasLost) {
   ASSERT_EQ(f.panels[0].shapes.size(), 1u);
   EXPECT_NEAR(f.panels[0].shapes[0]["x0"].get<double>(), 200 / 250.0, 1e-12);
   EXPECT_NEAR(f.panels[0].shapes[0]["x1"].get<double>(), 203 / 250.0, 1e-12);
-  const DrawnPath left = path_of(f.panels[1].traces[0]);
-  double largest = 0, wanted = 0;
-  for (const double y : left.y)
-    if (std::isfinite(y)) largest = std::max(largest, y);
-  double mean = 0;
-  std::size_t count = 0;
-  const ReportRun& run = data.runs[7];
-  const std::vector<double>& x_mm = run.track.x_mm;
-  for (std::size_t i = 0; i < x_mm.size(); ++i)
-    if (std::isfinite(x_mm[i])) {
-      mean += 1000 * (x_mm[i] - run.model_x_mm[i]);
-      ++count;
-    }
-  mean /= static_cast<double>(count);
-  for (std::size_t i = 0; i < x_mm.size(); ++i)
-    if (std::isfinite(x_mm[i])) wanted = std::max(wanted, 1000 * (x_mm[i] - run.model_x_mm[i]) - mean);
-  EXPECT_NEAR(largest, wanted, 1e-9) << "the envelope lost the largest residual";
-}
-
-TEST(ReportFigures, ARunMeasuredElsewhereHasNone) {
-  EXPECT_TRUE(run_figures(sample::campaign(), 13).empty());
 }
 
 }  // namespace

@@ -178,18 +178,6 @@ TEST_F(CineSourceTest, AFramesTimeIsTheMiddleOfItsExposure) {
   EXPECT_THAT(source->info().notes, ::testing::Contains(HasSubstr("exposure varies")));
 }
 
-TEST_F(CineSourceTest, ARateThatChangesWithinTheShotIsSaidAndTheStampsAreUsed) {
-  CineByHand cine;
-  cine.images = 9;
-  cine.rate = 64;
-  cine.stamps_64ths = {10, 11, 12, 13, 14, 18, 22, 26, 30};
-  const auto source = open(cine);
-  EXPECT_EQ(source->time_s(8), 20 / 64.0);
-  EXPECT_EQ(source->info().time_base.check.stretches.size(), 2u);
-  EXPECT_THAT(source->info().notes,
-              ElementsAre(HasSubstr("64 Hz from image -85 to -81, 16 Hz from image -81 to -77")));
-}
-
 TEST_F(CineSourceTest, MissingImagesAreFoundByTheirStamps) {
   CineByHand cine;
   cine.images = 7;

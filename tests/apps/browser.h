@@ -1,4 +1,4 @@
-// Headless Chromium driven by its own protocol over two pipes, for pages that are served and not only shown.
+// Headless Chromium driven by its own protocol over two pipes.
 #pragma once
 
 #include <fcntl.h>
@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -33,7 +34,7 @@ class DrivenBrowser {
       for (const int stream : {0, 1, 2}) dup2(none, stream);
       execl(program.c_str(), program.c_str(), "--headless", "--no-sandbox", "--disable-gpu",
             "--disable-dev-shm-usage", "--no-first-run", "--disable-background-networking",
-            "--disable-component-update", "--disable-sync", "--remote-debugging-pipe",
+            "--disable-component-update", "--disable-sync", "--hide-scrollbars", "--remote-debugging-pipe",
             "--window-size=1280,900", profile.c_str(), "about:blank", nullptr);
       _exit(127);
     }
@@ -57,6 +58,13 @@ class DrivenBrowser {
   DrivenBrowser& operator=(const DrivenBrowser&) = delete;
 
   void open_page(const std::string& url) { call("Page.navigate", {{"url", url}}); }
+  /// Until it is loaded.
+  void show(const std::string& html) {
+    const std::string name = "page" + std::to_string(++shown_) + ".html";
+    std::ofstream(folder_.path() / name, std::ios::binary) << html;
+    open_page("file://" + (folder_.path() / name).string());
+    wait_for("location.href.endsWith('" + name + "') && document.readyState === 'complete'");
+  }
   void resize(int width, int height) {
     call("Emulation.setDeviceMetricsOverride",
          {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
@@ -108,7 +116,7 @@ class DrivenBrowser {
   }
 
   TemporaryFolder folder_;
-  int process_ = 0, to_ = -1, from_ = -1, id_ = 0;
+  int process_ = 0, to_ = -1, from_ = -1, id_ = 0, shown_ = 0;
   std::string session_, heard_;
 };
 
