@@ -34,7 +34,8 @@ struct Sample {
   State state = State::slip;
 };
 
-/// A sample with its derivatives: column j is d/d(parameters[j]), SI.
+/// A sample with its derivatives: column j is d/d(parameters[j]), SI. Where a pulse's edge lies on a start
+/// from rest, which is a kink, they are those of a later edge.
 struct SensitiveSample {
   Sample sample;
   Eigen::Matrix2Xd position_jacobian;
@@ -70,7 +71,6 @@ struct IntegrationSummary {
   /// velocity is a contraction, so cycles that begin a velocity d apart stay within d of each other; 0 where
   /// they repeat to the last digit or none was left out.
   double error_bound = 0;
-  bool one_sided = false;  ///< derivatives at a kink (pulse edge on a start from rest): those of a later edge
   std::string brief_report() const;
 };
 
