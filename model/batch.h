@@ -37,9 +37,6 @@ struct BatchSteady {
   Eigen::Vector2d drift = Eigen::Vector2d::Zero();  ///< displacement per cycle, m
   double alpha = 0;                                 ///< its direction, rad in [0, 2 pi); NaN without drift
   double v = 0;                                     ///< |drift| w / 2 pi, m/s
-  /// Spectral radius of the one-cycle velocity map, 0 with stick. Good to 1e-3, mostly to 1e-5, where it
-  /// comes from lanes.
-  double contraction = 0;
 };
 
 struct BatchOptions {
@@ -49,7 +46,6 @@ struct BatchOptions {
   /// Of the velocity at every step of an end's run, in units of A w: 1e-14 leaves some 1e-13 of the path.
   /// Looser ones are faster; steady motions always come at full accuracy.
   double tolerance = 1e-14;
-  long max_steps = 10'000'000;  ///< of runs that lanes do not carry
   /// Progress callback: solutions done and wanted. Called now and then, by one thread at a time.
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
@@ -59,7 +55,6 @@ struct BatchSummary {
   std::size_t solutions = 0;
   std::size_t in_lanes = 0;    ///< solved side by side, the others one at a time
   std::size_t not_solved = 0;  ///< status other than done
-  long lane_steps = 0;         ///< steps of single lanes
   std::string brief_report() const;
 };
 

@@ -12,9 +12,8 @@ namespace tribotrack::model {
 
 std::string IntegrationSummary::brief_report() const {
   char text[200];
-  std::snprintf(text, sizeof text, "%ld steps, %d stops, %d releases, %.3g s (%.3g %%) at rest%s", steps,
-                stops, releases, stick_time, 100 * sticking_fraction,
-                one_sided ? "; derivatives are one-sided (a pulse edge at the start)" : "");
+  std::snprintf(text, sizeof text, "%ld steps, %d stops, %d releases, %.3g s (%.3g %%) at rest", steps, stops,
+                releases, stick_time, 100 * sticking_fraction);
   return text;
 }
 

@@ -34,7 +34,8 @@ struct Sample {
   State state = State::slip;
 };
 
-/// A sample with its derivatives: column j is d/d(parameters[j]), SI.
+/// A sample with its derivatives: column j is d/d(parameters[j]), SI. Where a pulse's edge lies on a start
+/// from rest, which is a kink, they are those of a later edge.
 struct SensitiveSample {
   Sample sample;
   Eigen::Matrix2Xd position_jacobian;
@@ -51,8 +52,9 @@ struct IntegrationOptions {
   /// Keep what `at` needs. Without it only the end is known (at() before the end throws std::logic_error),
   /// and a run is several times as fast.
   bool dense = true;
-  /// Once a cycle begins as the one before did, add its displacement instead of integrating its copies
-  /// (IntegrationSummary::error_bound bounds the error this adds). Off: every cycle is integrated.
+  /// Once a cycle begins as the one before did, add its displacement instead of integrating its copies. The
+  /// flow of the velocity is a contraction: cycles that begin within the tolerance of each other stay so.
+  /// Off: every cycle is integrated.
   bool reuse_repeating_cycles = true;
   /// More steps than this is an error (StepLimitExceeded), never a silent stop. The search for a periodic
   /// start may take as many.
@@ -66,11 +68,6 @@ struct IntegrationSummary {
   int releases = 0;       ///< stick -> slip transitions, a start from rest not counted
   double stick_time = 0;  ///< s
   double sticking_fraction = 0;
-  /// What cycles taken as repeating can add to the error of the end point, m. The flow of the
-  /// velocity is a contraction, so cycles that begin a velocity d apart stay within d of each other; 0 where
-  /// they repeat to the last digit or none was left out.
-  double error_bound = 0;
-  bool one_sided = false;  ///< derivatives at a kink (pulse edge on a start from rest): those of a later edge
   std::string brief_report() const;
 };
 

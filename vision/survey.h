@@ -17,10 +17,10 @@ namespace tribotrack::vision {
 
 /// What a disc may be, by how it moves in the frames looked at.
 enum class DiscRole {
-  part,      ///< moves farthest; if nothing moves, the one seen best
-  mark,      ///< moves about its place, like something fixed to the platform
-  resting,   ///< stays where it is: fixed to the camera's frame, or to a platform at rest
-  like_part  ///< as large as the part, and moves too
+  part,       ///< moves farthest; if nothing moves, the one seen best
+  like_part,  ///< as large as the part, and moves too
+  mark,       ///< moves about its place, like something fixed to the platform
+  resting     ///< stays where it is: fixed to the camera's frame, or to a platform at rest
 };
 
 struct SurveyedDisc {

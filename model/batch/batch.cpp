@@ -22,7 +22,6 @@ namespace {
 BatchEnd scalar_solution(const Scenario& scenario, const BatchOptions& asked, const EndRun*) {
   IntegrationOptions options;
   options.dense = false;
-  options.max_steps = asked.max_steps;
   if (asked.tolerance > kLaneTolerance) options.tolerance = asked.tolerance;
   const Trajectory trajectory = integrate(scenario, options);
   return end_at(trajectory.end().position, trajectory.end_time());
@@ -33,7 +32,7 @@ BatchSteady scalar_solution(const Scenario& scenario, const BatchOptions&, const
   if (!orbit)
     throw InvalidParameter(
         "no unique steady motion exists: no friction in the cycle, or tilt beyond the friction angle");
-  return steady_with(orbit->drift, scenario.drive.angular_frequency, orbit->contraction);
+  return steady_with(orbit->drift, scenario.drive.angular_frequency);
 }
 
 /// All runs of one kind on all threads.
@@ -104,7 +103,6 @@ class Crew {
     };
     pool.work(source, begin, settle);
     report(summary.solutions - reported);
-    summary.lane_steps = pool.steps();
     add(summary);
   }
 
@@ -144,7 +142,6 @@ class Crew {
     sum.solutions += part.solutions;
     sum.in_lanes += part.in_lanes;
     sum.not_solved += part.not_solved;
-    sum.lane_steps += part.lane_steps;
   }
 
   const std::function<Scenario(std::size_t)>& scenario_at_;

@@ -26,7 +26,6 @@ class LanePool {
   /// need)` takes what is done or needs the scalar integrator.
   template <class Source, class Begin, class End>
   void work(const Source& source, const Begin& begin, const End& end);
-  long steps() const { return steps_; }
 
  private:
   static constexpr int kWidth = SlideLanes::kWidth;
@@ -93,7 +92,6 @@ class LanePool {
   std::vector<Slot> runs_;
   std::vector<std::size_t> spare_;
   Group group_[kStepKinds];
-  long steps_ = 0;
 };
 
 template <class Run, bool kNeighbours>
@@ -122,7 +120,6 @@ void LanePool<Run, kNeighbours>::settle(int slot, Need need, const End& end) {
   Slot& s = runs_[static_cast<std::size_t>(slot)];
   if (need == Need::edge) need = s.run.pass_edge();
   if (need == Need::done || need == Need::scalar) {
-    steps_ += s.run.steps;
     end(s.run, s.number, need);
     spare_.push_back(static_cast<std::size_t>(slot));
   } else {

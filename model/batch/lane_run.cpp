@@ -164,8 +164,8 @@ BatchEnd end_at(const Eigen::Vector2d& position, double time) {
   return {BatchStatus::done, position, direction(position), mean_velocity(position, time)};
 }
 
-BatchSteady steady_with(const Eigen::Vector2d& drift, double angular_frequency, double contraction) {
-  return {BatchStatus::done, drift, direction(drift), drift.norm() * angular_frequency / kTwoPi, contraction};
+BatchSteady steady_with(const Eigen::Vector2d& drift, double angular_frequency) {
+  return {BatchStatus::done, drift, direction(drift), drift.norm() * angular_frequency / kTwoPi};
 }
 
 namespace {
@@ -247,10 +247,7 @@ Need OrbitRun::pass_edge() {
 /// The motion and its neighbours have come round.
 Need OrbitRun::end_cycle() {
   const Pair<double> end{lane.vx, lane.vy}, gap = end - velocity_;
-  if (at_rest() && from_rest_) {
-    contraction_ = 0;
-    return Need::done;  // from stop to stop: nothing is remembered
-  }
+  if (at_rest() && from_rest_) return Need::done;  // from stop to stop: nothing is remembered
   if (from_rest_ || at_rest()) {
     velocity_ = end;
     return begin_cycle();
@@ -270,7 +267,6 @@ Need OrbitRun::end_cycle() {
   }
   if (lane.tolerance <= kLaneTolerance && size < kLastStep) {
     drift_ = drift_ + slope * step;
-    contraction_ = spectral_radius(jacobian);
     return Need::done;
   }
   velocity_ = velocity_ + step;
@@ -283,7 +279,7 @@ Need OrbitRun::end_cycle() {
 BatchSteady OrbitRun::result() const {
   const double c = std::cos(begin_), s = std::sin(begin_);
   return steady_with(frame_.in_metres({drift_.x * c - drift_.y * s, drift_.x * s + drift_.y * c}),
-                     angular_frequency_, contraction_);
+                     angular_frequency_);
 }
 
 }  // namespace tribotrack::model::internal

@@ -37,7 +37,7 @@ inline constexpr double kMarginal = 0.02;
 
 /// The results that belong to a displacement, m, over a time, s, and to one per cycle.
 BatchEnd end_at(const Eigen::Vector2d& position, double time);
-BatchSteady steady_with(const Eigen::Vector2d& drift, double angular_frequency, double contraction);
+BatchSteady steady_with(const Eigen::Vector2d& drift, double angular_frequency);
 
 class LaneRun {
  public:
@@ -115,7 +115,6 @@ class OrbitRun : public LaneRun {
   bool newton_ = false;  ///< whether the last step was one
   double trusted_ = 1;   ///< the longest step of Newton's that is believed
   double last_size_ = 0;
-  double contraction_ = 0;
 };
 
 }  // namespace tribotrack::model::internal

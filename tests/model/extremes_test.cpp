@@ -66,26 +66,6 @@ TEST(Extremes, DerivativesAreFiniteAndDoNotDisturbTheMotion) {
   }
 }
 
-/// Derivatives are one-sided exactly where an edge lies on a start from rest.
-TEST(Extremes, OneSidedDerivativesAreFlagged) {
-  IntegrationOptions options;
-  options.derivatives = {Parameter::lag};
-  int flagged = 0;
-  for (const ExtremeCase& c : extreme_cases(kQuick)) {
-    const Friction& f = c.scenario.friction;
-    const bool edge_on_start = f.phase + f.lag == 0 && f.pulse_width > 0 && f.nominal != f.reduced;
-    const bool one_sided = integrate(c.scenario, options).summary().one_sided;
-    if (edge_on_start) {
-      EXPECT_TRUE(one_sided) << c.name;
-    }
-    if (f.phase == 0.5 && f.lag == 0) {
-      EXPECT_FALSE(one_sided) << c.name;
-    }
-    flagged += one_sided;
-  }
-  EXPECT_GE(flagged, 10);
-}
-
 TEST(Extremes, NoneNeedsFiftyTimesTheStepsOfTheOrdinaryCase) {
   const auto cases = extreme_cases(kQuick);
   const auto steps_per_cycle = [](const Scenario& s) {

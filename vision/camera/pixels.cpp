@@ -100,14 +100,6 @@ double NoiseEstimate::variance(const Picture& first) const {
   return std::max(pairs_ > 0 ? std::min(sum_ / pairs_, 1.1 * single) : single, kRounding);
 }
 
-double noise_variance(const std::vector<Picture>& consecutive) {
-  if (consecutive.empty()) return kRounding;
-  NoiseEstimate estimate;
-  for (std::size_t k = 0; k + 1 < consecutive.size(); ++k)
-    estimate.add_pair(consecutive[k], consecutive[k + 1]);
-  return estimate.variance(consecutive.front());
-}
-
 double noise_variance(const Picture& picture) {
   std::vector<double> blocks;
   std::vector<double> squares(static_cast<std::size_t>(picture.width()));

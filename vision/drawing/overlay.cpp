@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <span>
 #include <string>
 
 #include "vision/drawing/canvas.h"
@@ -16,32 +17,27 @@ namespace {
 
 constexpr std::size_t kTail = 2000;  ///< points of the path drawn in a video
 
-void draw_path(Canvas& canvas, const std::vector<TrackPoint>& points, std::size_t count) {
-  for (std::size_t k = 1; k < count; ++k) {
+void draw_path(Canvas& canvas, std::span<const TrackPoint> points) {
+  for (std::size_t k = 1; k < points.size(); ++k) {
     const TrackPoint& a = points[k - 1];
     const TrackPoint& b = points[k];
     if (a.status == TrackStatus::ok && b.status == TrackStatus::ok)
       canvas.line({a.x, a.y}, {b.x, b.y}, kPath);
   }
-  if (count < 150)
-    for (std::size_t k = 0; k < count; ++k)
-      if (points[k].status == TrackStatus::ok) canvas.dot({points[k].x, points[k].y}, kPath);
+  if (points.size() < 150)
+    for (const TrackPoint& p : points)
+      if (p.status == TrackStatus::ok) canvas.dot({p.x, p.y}, kPath);
 }
 
 double outline_radius(const TrackSummary& summary) {
   return summary.disc.radius > 0 ? summary.disc.radius : 6;  // a rectangle is shown by its centre
 }
 
-std::string numbers_text(const TrackPoint& p) {
-  if (p.status != TrackStatus::ok) return "";
-  return fmt::format("x {:.2f}  y {:.2f} px  ncc {:.3f}", p.x, p.y, p.ncc);
-}
-
 void write_png(FrameSource& source, const TrackResult& result, const std::filesystem::path& path) {
   const auto& points = result.track.points;
   const Picture first = source.read(result.track.first_seen() - source.info().first_number);
   Canvas canvas(Stretch(first)(first), enlargement_for(source.info()));
-  draw_path(canvas, points, points.size());
+  draw_path(canvas, points);
   if (result.summary.marker.radius > 0)
     canvas.circle({result.summary.marker.x, result.summary.marker.y}, result.summary.marker.radius, kMarker);
   const TrackPoint* start = nullptr;
@@ -90,9 +86,7 @@ void write_video(FrameSource& source, const TrackResult& result, const std::file
     if (!stretch) stretch.emplace(picture);
     Canvas canvas((*stretch)(picture), enlargement);
     const std::size_t from = k > kTail ? k - kTail : 0;
-    const std::vector<TrackPoint> tail(points.begin() + static_cast<std::ptrdiff_t>(from),
-                                       points.begin() + static_cast<std::ptrdiff_t>(k + 1));
-    draw_path(canvas, tail, tail.size());
+    draw_path(canvas, std::span(points).subspan(from, k + 1 - from));
     if (p.marker && result.summary.marker.radius > 0)
       canvas.circle({p.marker->x, p.marker->y}, result.summary.marker.radius, kMarker);
     const bool ok = p.status == TrackStatus::ok;
@@ -101,7 +95,7 @@ void write_video(FrameSource& source, const TrackResult& result, const std::file
       canvas.cross({p.x, p.y}, kOutline);
     }
     canvas.text(0, "frame " + std::to_string(p.frame) + "  " + to_string(p.status), ok ? kText : kBad);
-    if (ok) canvas.text(1, numbers_text(p), kText);
+    if (ok) canvas.text(1, fmt::format("x {:.2f}  y {:.2f} px  ncc {:.3f}", p.x, p.y, p.ncc), kText);
     cv::Mat even;
     cv::copyMakeBorder(canvas.image(), even, 0, height - canvas.image().rows, 0, width - canvas.image().cols,
                        cv::BORDER_REPLICATE);

@@ -253,11 +253,9 @@ constexpr std::int64_t kLampSpan = 3000, kLampSpanDecoded = 600;
 constexpr int kMostDiscs = 30;
 constexpr double kSmallestRadius = 3;
 constexpr double kSameRadius = 0.1;  ///< relative
-constexpr double kNearItsPlace =
-    1;  ///< of its radius: no other disc can be so near, and platforms circle by less
-constexpr double kLeastNear = 10;  ///< px
-constexpr double kSameWay = 0.05;  ///< relative
-constexpr double kMoves = 0.5;     ///< px: noise and the search move a disc at rest by less
+constexpr double kLeastNear = 10;    ///< px
+constexpr double kSameWay = 0.05;    ///< relative
+constexpr double kMoves = 0.5;       ///< px: noise and the search move a disc at rest by less
 
 DiscSearch all_discs() {
   DiscSearch search;
@@ -273,8 +271,9 @@ bool like(const Circle& a, const Circle& b) {
   return std::abs(a.radius - b.radius) <= kSameRadius * b.radius + 0.5;
 }
 
+/// No other disc can be so near, and platforms circle by less.
 double near(const Circle& place) {
-  return std::max(kLeastNear, kNearItsPlace * place.radius);
+  return std::max(kLeastNear, place.radius);
 }
 
 bool touches_lamp(const Circle& disc, const std::vector<SurveyedLamp>& lamps) {
@@ -343,12 +342,7 @@ void assign_roles(std::vector<SurveyedDisc>& discs) {
     return d.role != DiscRole::part && distance(d.circle, whole) < whole.radius &&
            d.circle.radius < whole.radius;
   });
-  std::ranges::stable_sort(discs, {}, [](const SurveyedDisc& d) {
-    return d.role == DiscRole::part        ? 0
-           : d.role == DiscRole::like_part ? 1
-           : d.role == DiscRole::mark      ? 2
-                                           : 3;
-  });
+  std::ranges::stable_sort(discs, {}, &SurveyedDisc::role);
 }
 
 }  // namespace

@@ -34,7 +34,6 @@ class BlurredCircle {
   BlurredCircle(double radius, double blur);
 
   double radius() const { return radius_; }
-  double blur() const { return blur_; }
   /// Beyond this distance from the rim the coverage is 0 or 1 to 2e-5 (for discs of 4 blurs and more).
   double reach() const { return 4.5 * blur_; }
   double coverage(double dx, double dy) const {
@@ -90,8 +89,6 @@ class DiscLayer {
   DiscLayer(const DiscAppearance& disc, std::uint64_t seed);
 
   const BlurredCircle& edge() const { return edge_; }
-  /// Outermost first.
-  const std::vector<Scratch>& scratches() const { return scratches_; }
   /// Of the disc alone, as if it had no edge.
   double colour(double dx, double dy, double cos_theta, double sin_theta) const;
 
@@ -112,7 +109,7 @@ class DiscLayer {
   double highlight_offset_ = 0;
   double highlight_width_ = 1;
   double scratch_blur_ = 1;
-  std::vector<Scratch> scratches_;
+  std::vector<Scratch> scratches_;  // outermost first
   QuadratureRule scratch_rule_;
 };
 

@@ -88,7 +88,6 @@ void expect_as_by_integrator(const std::vector<Scenario>& scenarios, const Batch
     expect_same(s, steady.drift, orbit->drift, 1);
     EXPECT_NEAR(steady.v, orbit->mean_velocity(s.drive.angular_frequency),
                 1e-11 * steady.v + 1e-12 * s.drive.amplitude * s.drive.angular_frequency);
-    EXPECT_NEAR(steady.contraction, orbit->contraction, 1e-3);
   }
 }
 
@@ -172,7 +171,6 @@ void expect_identical(const BatchOutcome& a, const BatchOutcome& b, std::size_t 
     EXPECT_EQ(a.steady[at + k].drift, b.steady[k].drift);
     EXPECT_EQ(bits(a.steady[at + k].alpha), bits(b.steady[k].alpha));
     EXPECT_EQ(bits(a.steady[at + k].v), bits(b.steady[k].v));
-    EXPECT_EQ(bits(a.steady[at + k].contraction), bits(b.steady[k].contraction));
   }
 }
 
@@ -185,7 +183,6 @@ TEST(Batch, SameBitsOnAnyNumberOfThreads) {
     const auto several = solve_batch(scenarios, options);
     expect_identical(one, several);
     EXPECT_EQ(one.summary.in_lanes, several.summary.in_lanes);
-    EXPECT_EQ(one.summary.lane_steps, several.summary.lane_steps);
   }
 }
 
@@ -213,7 +210,6 @@ TEST(Batch, TolerancesAreKept) {
     }
     EXPECT_LT(largest, 100 * tolerance);
     EXPECT_GT(largest, 0.01 * tolerance);  // and time is not spent on what was not asked for
-    EXPECT_LT(loose.summary.lane_steps, 0.7 * static_cast<double>(tight.summary.lane_steps));
   }
 }
 
@@ -253,7 +249,6 @@ TEST(Batch, RestAndConstantFriction) {
   EXPECT_EQ(outcome.ends[0].v, 0);
   EXPECT_TRUE(std::isnan(outcome.ends[0].alpha));
   EXPECT_EQ(outcome.steady[0].drift.norm(), 0);
-  EXPECT_EQ(outcome.steady[0].contraction, 0);
   EXPECT_TRUE(std::isnan(outcome.steady[0].alpha));
   IntegrationOptions options;
   options.dense = false;

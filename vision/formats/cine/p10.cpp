@@ -1,6 +1,5 @@
 #include "vision/formats/cine/p10.h"
 
-#include <algorithm>
 #include <array>
 
 namespace tribotrack::vision {
@@ -85,16 +84,10 @@ std::uint32_t p10_code_at(std::span<const std::uint8_t> packed, std::size_t pixe
   return pair >> (6 - bit % 8) & code_mask;
 }
 
-std::array<float, 1024> table_as_float() {
-  std::array<float, 1024> table;
-  std::copy(p10_linear_levels.begin(), p10_linear_levels.end(), table.begin());
-  return table;
-}
-
 }  // namespace
 
 void unpack_p10(std::span<const std::uint8_t> packed, std::size_t first, std::span<float> levels) {
-  static const std::array<float, 1024> linear = table_as_float();
+  const auto& linear = p10_linear_levels;
   std::size_t i = 0;
   for (; i < levels.size() && (first + i) % 4 != 0; ++i) levels[i] = linear[p10_code_at(packed, first + i)];
   const std::uint8_t* group = packed.data() + (first + i) / 4 * 5;

@@ -52,7 +52,6 @@ class GroundPicture {
   double mean() const { return mean_; }
   /// Median variance of a place's level in time, grey levels^2: the noise's where the displacements are
   /// right.
-  double unrest() const { return unrest_; }
   /// Grey levels rms beyond the noise, over all places that are known.
   double texture() const { return texture_; }
 
