@@ -41,6 +41,7 @@ Json parse_json(std::string_view text, const std::string& name) {
       refuse(name, fmt::format("an object holds more than {} names", kMostNames));
     return true;
   };
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) refuse(name + ":1:1", "it is empty");
   try {
     return Json::parse(text, require_flat);
   } catch (const Json::exception& error) {

@@ -170,43 +170,6 @@ TEST_F(ForeignTables, TracksOfEveryProgramHaveTheirFirstAndLastRow) {
   }
 }
 
-TEST_F(ForeignTables, TracesOfEveryOscilloscopeHaveTheirFirstAndLastSample) {
-  const auto samples = [](const char* format, bool decimal_comma = false) {
-    std::string text;
-    for (int k = 0; k < kRows; ++k)
-      text += fmt::format(fmt::runtime(format), -0.1 + 2e-5 * k, 4.5 - 0.01 * k, 0.25 * k);
-    if (decimal_comma) std::ranges::replace(text, '.', ',');
-    return text;
-  };
-  const std::vector<std::pair<std::string, std::string>> traces = {
-      {"Digilent",
-       "#Digilent WaveForms Oscilloscope Acquisition\n#Device Name: ADP3450\n#Serial Number: SN:0\n"
-       "#Date Time: 2021-04-14 13:10:34.255\n\nTime (s),Channel 1 (V),Channel 2 (V)\n" +
-           samples("{:.12f},{:.14f},{:.14f}\n")},
-      {"LTspice", "time\tV(sensor)\tV(burst)\n" + samples("{:.15e}\t{:.6e}\t{:.6e}\n")},
-      {"LeCroy",
-       "LECROYWS3024,51234,Waveform\nSegments,1,SegmentSize,200\nSegment,TrigTime,TimeSinceSegment1\n#1,01-"
-       "Jan-2020 12:00:00,0\n"
-       "Time,Ampl,Ampl2\n" +
-           samples("{:.9f},{},{}\n")},
-      {"Rohde & Schwarz", "in s,CH1 in V,CH2 in V\n" + samples("{:.9f},{},{}\n")},
-      {"Excel, German", "Messung 7;;\nZeit (s);Sensor (V);Burst (V)\n" + samples("{:.9f};{};{}\n", true)},
-      {"time last", "sensor (V),burst (V),t (s)\n" + samples("{1},{2},{0:.9f}\n")},
-  };
-  for (const auto& [program, text] : traces) {
-    SCOPED_TRACE(program);
-    put(in_folder("s.csv"), text);
-    const ScopeFile trace = read_scope_file(in_folder("s.csv"));
-    ASSERT_EQ(trace.channels.size(), 2u);
-    ASSERT_EQ(trace.channels[0].size(), static_cast<std::size_t>(kRows));
-    EXPECT_NEAR(trace.start_s, -0.1, 1e-9);
-    EXPECT_NEAR(trace.increment_s, 2e-5, 1e-11);
-    EXPECT_NEAR(trace.channels[0].front(), 4.5, 1e-9);
-    EXPECT_NEAR(trace.channels[0].back(), 4.5 - 0.01 * (kRows - 1), 1e-9);
-    EXPECT_NEAR(trace.channels[1].back(), 0.25 * (kRows - 1), 1e-9);
-  }
-}
-
 TEST_F(ForeignTables, AlphaAndVOfEverySpreadsheet) {
   for (const std::string text :
        {"phi_deg,dtau_deg,alpha_deg,v_mm_s\n0,60,340,1.5\n90deg,60,250,1.7\n",

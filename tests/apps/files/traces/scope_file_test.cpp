@@ -125,6 +125,17 @@ std::vector<Layout> layouts() {
       {"time and channels", "Time,CH1,CH2\n" + samples()},
       {"time and channels", "t_s,sensor,burst\n" + samples(), {"sensor", "burst"}},
       {"time and channels", "time (s),sensor [V],burst [V]\n" + samples(), {"sensor", "burst"}},
+      {"time and channels", "in s,CH1 in V,CH2 in V\n" + samples()},
+      {"time and channels", "CH1 (V),CH2 (V),t (s)\n" + samples({"{2},{3},{1:.9g}\n"})},
+      {"time and channels", "time\tV(a)\tV(b)\n" + samples({"{1:.15e}\t{2:.6e}\t{3:.6e}\n"}), {"V", "V"}},
+      {"time and channels",
+       "#Digilent WaveForms Oscilloscope Acquisition\n\nTime (s),Channel 1 (V),Channel 2 (V)\n" + samples(),
+       {"Channel 1", "Channel 2"}},
+      {"time and channels",
+       "LECROYWS3024,51234,Waveform\nSegments,1,SegmentSize,200\nSegment,TrigTime,TimeSinceSegment1\n"
+       "#1,01-Jan-2020 12:00:00,0\nTime,Ampl,Ampl2\n" +
+           samples(),
+       {"Ampl", "Ampl2"}},
       {"time and channels", "t_ms\tCH1 (V)\tCH2 (mV)\n" + samples({"{1:.9g}\t{2}\t{3}\n", 1e-3, 1e-3})},
   };
 }
