@@ -71,13 +71,6 @@ TEST(ReportText, AnglesAreFractionsOfPiWhereTheyAre) {
   EXPECT_EQ(angle(nan), "–");
 }
 
-TEST(ReportText, KnownParametersAreExplained) {
-  EXPECT_EQ(parameter_text("mu1").symbol, "μ<sub>1</sub>");
-  EXPECT_EQ(parameter_text("phase_lag_rad").unit, "rad");
-  EXPECT_EQ(parameter_text("delay_s").unit, "s");
-  EXPECT_EQ(parameter_text("<new>").symbol, "&lt;new&gt;");
-}
-
 // RFC 4648, section 10.
 TEST(ReportText, Base64IsTheStandards) {
   const auto encoded = [](const std::string& text) { return base64({text.begin(), text.end()}); };
