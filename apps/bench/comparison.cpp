@@ -138,7 +138,8 @@ Vector2d end_by_recipe(const model::Scenario& scenario) {
   return paper_recipe(scenario).position;
 }
 
-/// In standard deviations, at z: the logarithms of mu1 and mu2, and the lag.
+/// In standard deviations, at z: the logarithms of mu1 and mu2, and 1 + lag, so that a share of it is never
+/// small.
 Eigen::VectorXd residuals_at(const Vector3d& z, const EndBySolver& end, const Problem& problem) {
   Eigen::VectorXd r(2 * static_cast<Eigen::Index>(problem.summary_runs.size()));
   Eigen::Index row = 0;
@@ -146,7 +147,7 @@ Eigen::VectorXd residuals_at(const Vector3d& z, const EndBySolver& end, const Pr
     model::Scenario scenario = run.scenario;
     scenario.friction.nominal = std::exp(z(0));
     scenario.friction.reduced = std::exp(z(1));
-    scenario.friction.lag = z(2);
+    scenario.friction.lag = z(2) - 1;
     const Eigen::LLT<Eigen::Matrix2d> factor(run.measured.covariance);
     r.segment<2>(row) = factor.matrixL().solve(run.measured.vector - end(scenario));
     row += 2;
@@ -182,12 +183,12 @@ Fitting descent_by_differences(const EndBySolver& end, int max_evaluations, doub
     descent.parameters.ftol = 1e-10;
     descent.parameters.maxfev = max_evaluations;
     Eigen::VectorXd z(3);
-    z << std::log(kFirstGuess.mu1), std::log(kFirstGuess.mu2), kFirstGuess.lag;
+    z << std::log(kFirstGuess.mu1), std::log(kFirstGuess.mu2), 1 + kFirstGuess.lag;
     const auto status = descent.minimize(z);
     Answer answer;
     answer.converged = status >= Eigen::LevenbergMarquardtSpace::RelativeReductionTooSmall &&
                        status <= Eigen::LevenbergMarquardtSpace::CosinusTooSmall;
-    answer.estimate = {std::exp(z(0)), std::exp(z(1)), z(2)};
+    answer.estimate = {std::exp(z(0)), std::exp(z(1)), z(2) - 1};
     return answer;
   };
 }

@@ -103,9 +103,9 @@ std::vector<Method> methods_for(const Scene& scene, const ModelBenchOptions& opt
   return methods;
 }
 
-Eigen::Vector2d reference_of(const Scene& scene, bool quick) {
+Eigen::Vector2d reference_of(const Scene& scene) {
   if (scene.independent_reference) {
-    const PeerResult result = extended_precision_reference(scene.scenario, quick ? 1e-15 : 1e-17);
+    const PeerResult result = extended_precision_reference(scene.scenario);
     if (result.finished) return result.position;
   }
   IntegrationOptions options;
@@ -115,7 +115,7 @@ Eigen::Vector2d reference_of(const Scene& scene, bool quick) {
 
 std::vector<ComparedRow> bench_scene(const Scene& scene, const ModelBenchOptions& options) {
   const bool quick = options.quick;
-  const Eigen::Vector2d reference = reference_of(scene, quick);
+  const Eigen::Vector2d reference = reference_of(scene);
   const std::vector<Method> methods = methods_for(scene, options);
   std::vector<std::function<void()>> competitors;
   std::vector<ComparedRow> rows;
@@ -180,7 +180,7 @@ Comparison bench_model(const ModelBenchOptions& options) {
       "m",
       "CPU time of a run",
       "Runge-Kutta-Fehlberg 7(8) in extended precision (64-bit mantissa), segmented at the friction "
-      "switches, local tolerance 1e-17 of the scene's scales (1e-15 with --quick); in the "
+      "switches, local tolerance 1e-17 of the scene's scales; in the "
       "marginal scene, where explicit methods hang, tribotrack's own result at tolerance 1e-17",
       1e-8};
   const auto scenes = scenes_of(options.quick);

@@ -37,7 +37,9 @@ template <class Stepper>
 struct Controlled {
   using T = typename Stepper::value_type;
   decltype(odeint::make_controlled<Stepper>(T(0), T(0))) stepper;
-  explicit Controlled(T tolerance) : stepper(odeint::make_controlled<Stepper>(tolerance, tolerance)) {}
+  /// odeint adds absolute and relative share: halves of both allow no more than the greater of them.
+  explicit Controlled(T tolerance)
+      : stepper(odeint::make_controlled<Stepper>(tolerance / 2, tolerance / 2)) {}
   Controlled(T tolerance, T max_step)
       : stepper(odeint::make_controlled<Stepper>(tolerance, tolerance, max_step)) {}
   void begin_segment() {

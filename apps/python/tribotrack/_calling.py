@@ -96,7 +96,7 @@ def _released(work: Callable[[Callable[[str, int, int], None]], Any], progress: 
     def tell(stage: str, done: int, total: int) -> None:
         if stop.is_set():
             raise InterruptedError
-        told[:] = [(stage, done, total)]
+        told.append((stage, done, total))
 
     def run() -> None:
         try:
@@ -109,8 +109,10 @@ def _released(work: Callable[[Callable[[str, int, int], None]], Any], progress: 
     try:
         while thread.is_alive():
             thread.join(0.05)
-            if told and progress is not None:
-                progress(*told.pop())
+            while told:
+                if progress is not None:
+                    progress(*told[0])
+                del told[0]
     except BaseException:
         stop.set()
         thread.join(0.1)

@@ -36,11 +36,11 @@ std::optional<fit::FittedParameters> known_parameters(const fit::FitResult& fit)
   return known;
 }
 
-std::optional<fit::Displacement> followed(const model::Scenario& scenario,
-                                          const std::optional<fit::FittedParameters>& known,
-                                          long most_steps) {
+/// What `solve` gives; nothing where the motion takes more steps than it may.
+template <class Solve>
+auto followed(const Solve& solve) -> std::optional<decltype(solve())> {
   try {
-    return fit::predicted_displacement(scenario, known.value_or(fit::FittedParameters{}), most_steps);
+    return solve();
   } catch (const model::StepLimitExceeded&) {
     return std::nullopt;
   }
@@ -52,7 +52,9 @@ std::size_t evaluate(model::Scenario scenario, Over over, const std::optional<fi
   std::size_t left_out = 0;
   for (const double x : group.curve_x_rad) {
     (over == Over::phi ? scenario.friction.phase : scenario.friction.pulse_width) = x;
-    const std::optional<fit::Displacement> moved = followed(scenario, known, most_steps);
+    const auto moved = followed([&] {
+      return fit::predicted_displacement(scenario, known.value_or(fit::FittedParameters{}), most_steps);
+    });
     left_out += !moved;
     const bool has_alpha = moved && moved->alpha;
     group.curve_alpha_rad.push_back(has_alpha ? moved->alpha->value : no_value);
@@ -161,16 +163,6 @@ void mark_cycles(double start, double period, ReportRun& run) {
   }
 }
 
-std::optional<model::Trajectory> followed(const model::Scenario& scenario, long most_steps) {
-  model::IntegrationOptions options;
-  options.max_steps = most_steps;
-  try {
-    return model::integrate(scenario, options);
-  } catch (const model::StepLimitExceeded&) {
-    return std::nullopt;
-  }
-}
-
 }  // namespace
 
 bool add_model_path(ReportRun& run, long most_steps) {
@@ -184,7 +176,9 @@ bool add_model_path(ReportRun& run, long most_steps) {
   if (first == track.x_mm.size()) return true;
   const double start = track.time_s[first];
   mark_cycles(start, 2 * std::numbers::pi / w, run);
-  const std::optional<model::Trajectory> path = followed(scenario, most_steps);
+  model::IntegrationOptions options;
+  options.max_steps = most_steps;
+  const auto path = followed([&] { return model::integrate(scenario, options); });
   if (!path) return false;
   for (const double frame_time : track.time_s) {
     const double time = frame_time - start;
