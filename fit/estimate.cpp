@@ -60,15 +60,9 @@ double typical_displacement(const Problem& problem) {
 
 bool lag_taken_as_zero(const Problem& problem) {
   const auto known = [&](FitParameter parameter) {
-    return problem.fixed.count(parameter) > 0 ||
-           std::find(problem.free.begin(), problem.free.end(), parameter) != problem.free.end();
+    return problem.fixed.count(parameter) > 0 || problem.fits(parameter);
   };
-  const bool pulses =
-      std::any_of(problem.summary_runs.begin(), problem.summary_runs.end(),
-                  [](const auto& run) { return run.scenario.friction.pulse_width > 0; }) ||
-      std::any_of(problem.trajectory_runs.begin(), problem.trajectory_runs.end(),
-                  [](const auto& run) { return !run.free_slide && run.scenario.friction.pulse_width > 0; });
-  return pulses && !known(FitParameter::lag) && !known(FitParameter::delay);
+  return problem.has_pulses() && !known(FitParameter::lag) && !known(FitParameter::delay);
 }
 
 /// An evaluation is worth more than one thread.
@@ -148,9 +142,9 @@ void Estimation::find_minimum() {
   residuals_.set_own_errors(unknowns_.first_guess());
   search_ = multi_start(residuals_, options_);
   if (search_.minima.empty()) {
-    const auto failures = residuals_.failures().kept();
-    throw DataError("The model cannot be evaluated at any start" +
-                    (failures.empty() ? "" : " (" + failures.front().reason + ")") +
+    std::string why;
+    residuals_.at(unknowns_.first_guess(), false, &why);
+    throw DataError("The model cannot be evaluated at any start" + (why.empty() ? "" : " (" + why + ")") +
                     ": check the drive and the first guesses ([fit.guess]).");
   }
   result_.starts_screened = static_cast<int>(search_.sample.size());
@@ -196,7 +190,7 @@ void Estimation::add_scatter_of_replicates() {
   result_.scatter_from_replicates = options_.estimate_scatter && repeated.scatter > 0;
   if (!result_.scatter_from_replicates) return;
   ExcessVariance excess = residuals_.excess_variance();
-  excess.along = excess.across = repeated.scatter;
+  excess.runs = repeated.scatter;
   residuals_.set_excess_variance(excess);
   minimum_ = minimise(residuals_, minimum_.z);
 }
@@ -209,12 +203,10 @@ void Estimation::test_residuals() {
 }
 
 void Estimation::explain_excess_variance() {
-  const bool driven = std::any_of(problem_.trajectory_runs.begin(), problem_.trajectory_runs.end(),
-                                  [](const auto& run) { return !run.free_slide; });
   const bool known = problem_.summary_runs.empty() || result_.scatter_from_replicates;
   const bool scattered = p_value_ < (known ? kSurprise : kDoubt);
-  const Reweighting reweighting{options_.estimate_scatter && driven, options_.estimate_scatter && scattered,
-                                options_.loss};
+  const Reweighting reweighting{options_.estimate_scatter && problem_.has_driven_tracks(),
+                                options_.estimate_scatter && scattered, options_.loss};
   if (reweighting.correlated_errors || reweighting.scatter || options_.loss != Loss::squares)
     correlated_ = reweighted_fit(residuals_, minimum_, reweighting);
 }
@@ -232,7 +224,7 @@ void Estimation::evaluate_curvature(const Minimum& minimum) {
   plain.set_weights({});
   const auto at = plain.at(values_);
   if (!at) throw DataError("The model cannot be evaluated at the minimum: check the drive.");
-  const double factor = robust_covariance_factor(residuals_, best_.at, options_.loss);
+  const double factor = robust_covariance_factor(residuals_, best_.at);
   uncertainty_ = uncertainty(unknowns_, values_,
                              at->scaled(Eigen::VectorXd::Constant(unknowns_.size(), 1 / std::sqrt(factor))));
 }
@@ -352,8 +344,7 @@ FitResult Estimation::report() {
   FitResult& result = result_;
   if (options_.bootstrap > 0) {
     const Bootstrap refits = bootstrap(residuals_, best, any(residuals_.excess_variance()), options_);
-    result.bootstrap = refits.converged;
-    result.bootstrap_seed = options_.bootstrap_seed;
+    result.bootstrap = {refits.converged, options_.bootstrap_seed};
     for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
   }
   result.identifiability = identifiability(unknowns_, values_, uncertainty_, result.parameters);
@@ -375,7 +366,6 @@ FitResult Estimation::report() {
   result.improve_first = improve_first(result.budget, result.parameters);
   result.systematics = taken_as_exact(result.budget, result.parameters);
   fill_minima(residuals_, minima_, result);
-  fill_failures(residuals_, best, result);
   if (!result.converged)
     result.warnings.push_back(
         "The fit did not converge: start nearer ([fit.guess]) or fit fewer parameters.");
@@ -399,7 +389,6 @@ FitResult fit_alone(const Problem& problem, const FitOptions& options, bool scat
   quick.multi_starts = 1;
   quick.profiles = quick.next_experiment = false;
   quick.estimate_scatter = options.estimate_scatter && scatter;
-  quick.loss = options.loss;
   Estimation fit(problem, quick);
   fit.find_minimum();
   fit.test_residuals();
@@ -440,9 +429,11 @@ void set_course(Problem& problem) {
 
 }  // namespace
 
-FitResult estimate(const Problem& given, const FitOptions& options) {
-  options.validate();
+FitResult estimate(const Problem& given, const FitOptions& wanted) {
+  wanted.validate();
   given.validate();
+  FitOptions options = wanted;
+  if (given.summary_runs.empty()) options.loss = Loss::squares;
   Problem problem = given;
   set_course(problem);
   std::vector<SlideResult> slides = prepare_slides(problem);
@@ -458,9 +449,7 @@ FitResult estimate(const Problem& given, const FitOptions& options) {
   fit.find_minimum();
   fit.test_residuals();
   // Driven tracks are explained once their correlated errors are known.
-  const bool tracks =
-      std::ranges::any_of(problem.trajectory_runs, [](const TrajectoryRun& run) { return !run.free_slide; });
-  if (tracks) fit.explain_excess_variance();
+  if (problem.has_driven_tracks()) fit.explain_excess_variance();
   const std::vector<ExplainedProblem> list = fit.explanations();
   std::optional<Quoted> quoted;
   FitOptions nearby;

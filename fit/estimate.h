@@ -24,7 +24,7 @@ namespace tribotrack::fit {
 struct FitOptions {
   int threads = 1;  ///< over runs and starts; at least 1. The result does not depend on it.
   /// Descents at most, at least 1. Start 0 is Problem::start, the others are the basins of a densely screened
-  /// box, the deepest first. 1: no screening.
+  /// box, the deepest first; six of them where tracks are fitted. 1: no screening.
   int multi_starts = 24;
   bool profiles = true;         ///< profile likelihood intervals: most of the time of a fit
   bool next_experiment = true;  ///< look for the run to film next
@@ -32,8 +32,7 @@ struct FitOptions {
   /// points where chi^2 rejects the fit (p < 0.001; between runs p < 0.05), and correlated errors of driven
   /// tracks, which chi^2 does not see. False: the covariance rests on the data's sigma alone.
   bool estimate_scatter = true;
-  Loss loss =
-      Loss::squares;  ///< huber or cauchy: outlying runs and points are down-weighted; no profiles then
+  Loss loss = Loss::squares;  ///< huber: outlying displacements are down-weighted; no profiles then
   bool rivals =
       false;  ///< compare tilt and alternative friction laws even where the residuals do not require it
   int bootstrap = 0;  ///< refits to simulated data; 0: none, 400 give the ends of intervals to about 10 %

@@ -48,11 +48,11 @@ struct ParameterEstimate {
   /// estimate -+ t sd with t = 1.96, or Student's t where a variance was estimated from the residuals. On the
   /// axis of the logarithm for mu1, A, w and scale, for mu2 too while sd < 0.3 mu2; else linear and cut at 0.
   Interval covariance_ci95;
-  /// Where the profile likelihood, min over all others of chi^2, is within t^2 of its minimum, over all
-  /// valleys: the reference where the likelihood is no parabola. Infinite where open, 0 where mu is
-  /// compatible with 0, NaN where not computed (FitOptions::profiles).
+  /// Where the profile likelihood, the minimum of chi^2 over all other parameters, is within t^2 of its
+  /// minimum, over all minima: the reference where the likelihood is no parabola. Infinite where open, 0
+  /// where mu is compatible with 0, NaN where not computed (FitOptions::profiles).
   Interval profile_ci95;
-  std::vector<ProfilePoint> profile;  ///< the points looked at for it, ascending; for pictures
+  std::vector<ProfilePoint> profile;  ///< its points, ascending; for figures
   double profile_level = 0;           ///< t^2, the rise at its ends
   /// 2.5 and 97.5 % points of refits to simulated data. NaN without FitOptions::bootstrap.
   Interval bootstrap_ci95;
@@ -74,7 +74,7 @@ struct RunResult {
   /// Change of each parameter (FitResult::parameters) without this run, in its sd, to first order. NaN where
   /// the other runs do not determine it.
   std::vector<double> influence;
-  /// Not fitted: what the fit predicts is held against what was measured, by the covariance of both.
+  /// Of a run that was held out: prediction and measurement compared, by the covariance of both.
   struct Prediction {
     double chi2 = 0;     ///< of two degrees of freedom
     double p_value = 1;  ///< of it
@@ -89,10 +89,9 @@ struct RunResult {
     std::vector<double> time;      ///< s, the recording's
     std::vector<double> measured;  ///< m
     std::vector<double> modelled;  ///< m
+    std::string sentence;          ///< initial speed and residual
   } slide;
 };
-
-std::string slide_sentence(const RunResult& run);  ///< a free slide's initial speed and residual
 
 enum class Verdict { identifiable, weak, not_identifiable };
 
@@ -117,7 +116,7 @@ const char* to_string(Agreement agreement);  ///< "good", "only with scatter", "
 /// The 99 % range of chi^2/dof under the model. Zeros for dof < 1. `noise_dof` as FitResult::noise_dof.
 Interval expected_reduced_chi2(int dof, double noise_dof = std::numeric_limits<double>::infinity());
 
-/// A run that would shrink the intervals most.
+/// The run that would shrink the intervals most.
 struct NextExperiment {
   double phi = 0, dtau = 0;                     ///< rad
   double amplitude = 0, angular_frequency = 0;  ///< m, rad/s
@@ -132,8 +131,8 @@ struct NextExperiment {
 struct Outlier {
   std::string run;
   double deviation = 0;                  ///< standard deviations from the fit to the others (studentised)
-  double chance = 1;                     ///< that the largest of so many runs lies as far
-  std::optional<double> looks_like_phi;  ///< rad; where a wrong phi alone explains it
+  double chance = 1;                     ///< that the largest of so many runs is as far off
+  std::optional<double> looks_like_phi;  ///< rad; if a wrong phi alone explains it
   std::string sentence;
 };
 
@@ -150,13 +149,13 @@ struct Explanation {
   /// mu2_speed, mu2_width, gate_edges, static_friction, wear: laws of friction; bad_run, run_scatter.
   std::string name;
   std::string run;       ///< of bad_run
-  double chi2_fall = 0;  ///< with it free; 0 where it would have to be negative
+  double chi2_fall = 0;  ///< with it free; 0 if it would have to be negative
   int dof = 1;           ///< of it
-  double p_after = 0;    ///< of the chi^2 that is left
+  double p_after = 0;    ///< of the remaining chi^2
   double size = 0, size_sd = 0;
-  std::string unit;                                  ///< of both
-  bool refitted = false;                             ///< else all is to first order
-  bool explains = false;                             ///< it leaves nothing to explain where something was
+  std::string unit;       ///< of both
+  bool refitted = false;  ///< else to first order
+  bool explains = false;  ///< with it the data agree with the model, without it they do not
   std::map<FitParameter, EstimateUnder> parameters;  ///< under it
 };
 
@@ -171,20 +170,21 @@ enum class Use { use, care, do_not_use };
 
 const char* to_string(Use use);  ///< "use", "care", "do_not_use"
 
-/// A source of uncertainty and what it does to the parameters (JCGM 100:2008, sections 5 and 8). The squares
-/// of all counted contributions to a parameter add up to the square of its sd.
+/// A source of uncertainty and its contribution to each parameter (JCGM 100:2008, sections 5 and 8). The
+/// squares of all included contributions to a parameter add up to the square of its sd.
 struct BudgetEntry {
   std::string source;    ///< "tracking noise", "platform's amplitude", ...
   std::string quantity;  ///< name with unit of what has the sd, as in campaigns; empty for data
-  double sd = 0;         ///< of that, SI; where it was taken as exact, what an assumed error is
+  double sd = 0;         ///< of that, SI; an assumed error if it was taken as exact
   std::string from;      ///< where value and sd came from
-  bool counted = true;   ///< false: taken as exact, or compared only; the contribution is what it would add
+  bool counted =
+      true;  ///< false: taken as exact, or compared only; then the contribution is what it would add
   Eigen::VectorXd contribution;  ///< of each parameter, SI: |sensitivity| sd
   Eigen::VectorXd sensitivity;   ///< d parameter / d quantity, SI; empty for data
 };
 
-/// How strongly a run at a distance of s sigma may pull: squares as s, Huber as at most 2, Cauchy hardly.
-enum class Loss { squares, huber, cauchy };
+/// Influence of a displacement that is s sigma off: s with squares, at most 2 with Huber's loss.
+enum class Loss { squares, huber };
 
 /// A minimum of chi^2.
 struct OneMinimum {
@@ -193,21 +193,16 @@ struct OneMinimum {
   std::string sentence;                   ///< empty for the best
 };
 
-/// Errors that neighbouring points of a driven track share, one size for all runs of a fit: standard
+/// Correlated errors of neighbouring points of a driven track, one size for all runs of a fit: standard
 /// deviations per axis, m, estimated from the residuals beside the points' own noise (restricted maximum
 /// likelihood). 0 where the residuals show none.
 struct CorrelatedErrors {
-  double drift =
-      0;  ///< of a straight drift over `time`: each run's own and the one all share along their ways
-  double walk = 0;              ///< of a Brownian walk over `time`
-  double circle = 0;            ///< of each of cos wt and sin wt
-  double overtones = 0;         ///< of each of cos and sin of 2wt and 3wt
-  double common_circle = 0;     ///< as circle, but one error that all runs share
-  double common_overtones = 0;  ///< as overtones, likewise
-  double time = 0;              ///< s, of the longest run; 0 where no driven track was fitted
-  bool any() const {
-    return drift > 0 || walk > 0 || circle > 0 || overtones > 0 || common_circle > 0 || common_overtones > 0;
-  }
+  double drift = 0;      ///< of a straight drift over `time`
+  double walk = 0;       ///< of a Brownian walk over `time`
+  double circle = 0;     ///< of each of cos wt and sin wt
+  double overtones = 0;  ///< of each of cos and sin of 2wt and 3wt
+  double time = 0;       ///< s, of the longest run; 0 where no driven track was fitted
+  bool any() const { return drift > 0 || walk > 0 || circle > 0 || overtones > 0; }
 };
 
 /// A blow or collision seen in the track of a free slide.
@@ -218,7 +213,7 @@ struct Blow {
   double jump = 0;                           ///< m/s, length of the change of velocity
 };
 
-/// A free slide by itself: its own mu1, whatever the other runs say.
+/// A free slide by itself: its own mu1, regardless of the other runs.
 struct SlideResult {
   std::string run;
   Estimate mu1;     ///< without the scale's error, which all slides share
@@ -226,7 +221,7 @@ struct SlideResult {
   double chi2 = 0;  ///< with the data's own sigma
   int dof = 0;
   double p_value = 1;  ///< of chi2
-  double scatter = 0;  ///< m per axis, added because chi2 is more than chance allows
+  double scatter = 0;  ///< m per axis, added because chi2 is larger than chance allows
   /// Where neighbouring residuals are more alike than the track tells: what they show, in place of its
   /// errors.
   std::optional<SlowError> shown_slow = std::nullopt;
@@ -253,7 +248,7 @@ struct FitResult {
   std::vector<ParameterEstimate> parameters;  ///< in the order of Problem::free
   Eigen::MatrixXd covariance;                 ///< SI, in that order
   Eigen::MatrixXd correlation;
-  std::string covariance_meaning;              ///< which errors the covariance counts, a sentence
+  std::string covariance_meaning;              ///< which errors the covariance includes, a sentence
   double value(FitParameter parameter) const;  ///< throws DataError for one that was not fitted
 
   // Can they be used?
@@ -263,24 +258,26 @@ struct FitResult {
   Use verdict = Use::do_not_use;  ///< of all that follows (fit/checks/verdict.h)
   std::vector<std::string> verdict_reasons;
   std::vector<std::string> warnings;
-  /// The scatter beyond the data's own sigma exceeds a tenth of the median displacement: the runs do not
-  /// follow the model.
+  /// The scatter beyond the data's own sigma exceeds a tenth of the median displacement: the model does not
+  /// describe the runs.
   bool scatter_dominates = false;
   bool usable() const { return verdict != Use::do_not_use; }
 
   // Goodness of fit.
-  double chi2 = 0;  ///< at the minimum with everything as the problem says, by the data's own sigma
+  double chi2 = 0;  ///< at the minimum, everything as the problem says, by the data's own sigma
   int dof = 0;
   /// Degrees of freedom of the sds that chi2 rests on, where tracks' sds were estimated from their own
   /// scatter; infinite where they are known.
   double noise_dof = std::numeric_limits<double>::infinity();
   double p_value = 1;  ///< of chi2
-  int conditions = 0;  ///< unknowns that are known to an sd: what they absorb of chi^2, dof does not count
+  int conditions = 0;  ///< unknowns with a prior: dof does not include them
   std::vector<RunResult> runs;
-  std::vector<SlideResult> slides;    ///< free slides one by one
-  double between_slides = 0;          ///< sd of mu1 between slides, counted in the covariance
-  double between_slides_p_value = 1;  ///< that the slides' mu1 differ so much by chance
-  std::vector<Outlier> outliers;      ///< farthest first
+  std::vector<SlideResult> slides;  ///< free slides one by one
+  struct BetweenSlides {
+    double sd = 0;       ///< of mu1 between slides, counted in the covariance
+    double p_value = 1;  ///< of that scatter by chance
+  } between_slides;
+  std::vector<Outlier> outliers;  ///< farthest first
   /// What would explain the residuals, best first.
   std::vector<Explanation> explanations;
   /// Names of the explanations under which `parameters` are estimated; empty: everything is as the problem
@@ -289,13 +286,11 @@ struct FitResult {
   std::map<FitParameter, EstimateUnder> as_assumed;  ///< where they are: without them
   /// Where a law that depends on speed is among them: mu1 from rest to the highest speed seen.
   std::vector<FrictionAtSpeed> mu_of_speed;
-  std::vector<std::string> left_out;  ///< checks that the data did not require, with the reason
+  std::vector<std::string> left_out;  ///< checks that were skipped, with the reason
 
-  // Errors beyond the data's own sigma, counted in the covariance.
-  double scatter = 0;  ///< m, added in quadrature per axis; 0 where the residuals show none
-  /// m, between summary runs, along their displacements (v) and across (alpha): equal unless the residuals
-  /// show that they differ.
-  double scatter_along = 0, scatter_across = 0;
+  // Errors beyond the data's own sigma, included in the covariance.
+  double scatter = 0;                    ///< m, added in quadrature per axis; 0 where the residuals show none
+  double scatter_between_runs = 0;       ///< m, of it between summary runs
   bool scatter_from_replicates = false;  ///< estimated from repeated runs: p_value still judges the model
   int replicate_dof = 0;                 ///< two for each repetition
   CorrelatedErrors correlated_errors;
@@ -304,8 +299,8 @@ struct FitResult {
   std::string improve_first;        ///< a sentence: what to do about the largest
   /// Root of the sum of squares of the contributions from one place (BudgetEntry::from), by parameter.
   Eigen::VectorXd sd_from(const std::string& place) const;
-  /// Whether what a lossy coder may do to the platform's motion exceeds the interval of a parameter without
-  /// it.
+  /// Whether the possible effect of compression on the platform's motion exceeds the interval of a
+  /// parameter without it.
   bool coder_exceeds_interval() const;
   /// What was taken as exact, a sentence each: "gravity is taken as exact; with 1 % more of it: mu1 down 1
   /// %".
@@ -313,13 +308,13 @@ struct FitResult {
 
   // The search for the minimum.
   std::vector<OneMinimum> minima;  ///< all within chi^2 9 of the best, which is the first
-  int starts_screened = 0;         ///< points of the box looked at
+  int starts_screened = 0;         ///< points of the box evaluated
   int starts = 0;                  ///< descents made
-  int starts_at_best = 0;          ///< of them, those that ended in the minimum reported
-  /// Trial values at which the model has no motion. A warning where some lie within three sd of the minimum.
-  std::size_t failed_evaluations = 0;
-  int bootstrap = 0;  ///< refits that converged
-  unsigned bootstrap_seed = 0;
+  int starts_at_best = 0;          ///< of them, those that ended in the reported minimum
+  struct Refits {
+    int refits = 0;  ///< that converged
+    unsigned seed = 0;
+  } bootstrap;
 
   // What to measure next.
   std::optional<NextExperiment> next_experiment;

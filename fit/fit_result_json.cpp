@@ -60,8 +60,7 @@ void fields(Io& io, CorrelatedErrors& e) {
   io.scaled("walk_mm", e.walk, 1e3);
   io.scaled("circle_mm", e.circle, 1e3);
   io.scaled("overtones_mm", e.overtones, 1e3);
-  io.scaled("common_circle_mm", e.common_circle, 1e3);
-  io.scaled("common_overtones_mm", e.common_overtones, 1e3);
+  for (const char* common : {"common_circle_mm", "common_overtones_mm"}) io.derived(common, 0.0);
 }
 
 template <class Io>
@@ -130,18 +129,11 @@ void scenario(Io& io, model::Scenario& scenario) {
   });
 }
 
-namespace {
-struct SlideColumns {
-  RunResult::Slide points;
-  std::string sentence;
-};
-}  // namespace
-
 template <class Io>
-void fields(Io& io, SlideColumns& slide) {
-  io("time_s", slide.points.time);
-  io.scaled("position_mm", slide.points.measured, 1e3);
-  io.scaled("fitted_mm", slide.points.modelled, 1e3);
+void fields(Io& io, RunResult::Slide& slide) {
+  io("time_s", slide.time);
+  io.scaled("position_mm", slide.measured, 1e3);
+  io.scaled("fitted_mm", slide.modelled, 1e3);
   io("sentence", slide.sentence);
 }
 
@@ -161,10 +153,7 @@ void fields(Io& io, RunResult& run) {
   io("points", run.points, run.points > 0);
   io.scaled("residual_rms_mm", run.rms_m, 1e3, run.points > 0);
   io("nuisance", run.nuisance, !run.nuisance.empty());
-  const bool slid = !run.slide.time.empty();
-  SlideColumns slide{run.slide, slid ? slide_sentence(run) : ""};
-  io("slide", slide, slid);
-  run.slide = slide.points;
+  io("slide", run.slide, !run.slide.time.empty());
 }
 
 template <class Io>
@@ -290,27 +279,14 @@ void fields(Io& io, BudgetEntry& entry) {
   entry.quantity = quantity.value_or("");
 }
 
-namespace {
-struct Bootstrap {
-  int refits = 0;
-  unsigned seed = 0;
-};
-}  // namespace
-
 template <class Io>
-void fields(Io& io, Bootstrap& b) {
+void fields(Io& io, FitResult::Refits& b) {
   io("refits", b.refits);
   io("seed", b.seed);
 }
 
-namespace {
-struct BetweenSlides {
-  double sd = 0, p_value = 1;
-};
-}  // namespace
-
 template <class Io>
-void fields(Io& io, BetweenSlides& between) {
+void fields(Io& io, FitResult::BetweenSlides& between) {
   io("sd", between.sd);
   io("p_value", between.p_value);
 }
@@ -343,8 +319,8 @@ void fields(Io& io, FitResult& fit) {
   io.derived("usable", fit.usable());
   io("scatter_dominates", fit.scatter_dominates);
   io.scaled("scatter_mm", fit.scatter, 1e3);
-  io("scatter_along_m", fit.scatter_along);
-  io("scatter_across_m", fit.scatter_across);
+  io("scatter_along_m", fit.scatter_between_runs);
+  io("scatter_across_m", fit.scatter_between_runs);
   std::optional<CorrelatedErrors> slow;
   if (fit.correlated_errors.time > 0) slow = fit.correlated_errors;
   io("slow_errors", slow);
@@ -354,10 +330,7 @@ void fields(Io& io, FitResult& fit) {
   io.need("identifiability", fit.identifiability);
   io.those_with("scenario", "runs", fit.runs);
   io("slides", fit.slides);
-  BetweenSlides between{fit.between_slides, fit.between_slides_p_value};
-  io("between_slides", between, fit.slides.size() > 1);
-  fit.between_slides = between.sd;
-  fit.between_slides_p_value = between.p_value;
+  io("between_slides", fit.between_slides, fit.slides.size() > 1);
   io("next_experiment", fit.next_experiment);
   io("other_next_experiments", fit.other_next_experiments);
   io("p_value", fit.p_value);
@@ -372,10 +345,7 @@ void fields(Io& io, FitResult& fit) {
   io("improve_first", fit.improve_first);
   if (const Json coding = coding_json(fit); !coding.is_null()) io.derived("coding", coding);
   io("loss", fit.loss);
-  Bootstrap bootstrap{fit.bootstrap, fit.bootstrap_seed};
-  io("bootstrap", bootstrap, fit.bootstrap > 0);
-  fit.bootstrap = bootstrap.refits;
-  fit.bootstrap_seed = bootstrap.seed;
+  io("bootstrap", fit.bootstrap, fit.bootstrap.refits > 0);
   io("warnings", fit.warnings);
 }
 
@@ -472,10 +442,6 @@ void from_json(const Json& json, FitResult& shown) {
 
 void to_json(Json& json, const SlideResult& slide) {
   json = written(slide, {});
-}
-
-Json scenario_json(const model::Scenario& scenario) {
-  return written(scenario, {});
 }
 
 }  // namespace tribotrack::fit

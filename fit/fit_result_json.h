@@ -27,7 +27,4 @@ void from_json(const Json& json, FitResult& shown);
 /// An entry of `slides`.
 void to_json(Json& json, const SlideResult& slide);
 
-/// A run's scenario under the names that `simulate` has for it, as `runs[].scenario` holds it.
-Json scenario_json(const model::Scenario& scenario);
-
 }  // namespace tribotrack::fit

@@ -1,4 +1,4 @@
-// When the actuator's gate was open: phi and dtau from a lamp's brightness, frame by frame.
+// When the actuator's gate was open: phi and dtau from the brightness of a gate LED, frame by frame.
 //
 //   LampRecord lamp{times, levels, 200e-6};                    // s, grey levels, exposure in s
 //   PhaseClock clock{motion.angular_frequency.value, motion.phase_at_zero.value, motion.phase_at_middle.sd};
@@ -16,7 +16,7 @@
 
 namespace tribotrack::fit {
 
-/// A lamp that is lit while the gate is open, as the camera saw it.
+/// A gate LED, lit while the gate is open, as the camera saw it.
 struct LampRecord {
   std::vector<double> time;        ///< s, middle of each exposure
   std::vector<double> level;       ///< grey levels
@@ -37,9 +37,9 @@ struct GateTiming {
   Estimate phi;           ///< rad in [0, 2 pi)
   Estimate dtau;          ///< rad
   double covariance = 0;  ///< of phi and dtau, rad^2
-  double jitter = 0;      ///< rad rms of single edges about the mean, 0 where none shows
-  double bracket = 0;     ///< rad, width of what no frame decides about an edge, the wider of both; 0 where
-                          ///< partly lit frames measure the edges
+  double jitter = 0;      ///< rad rms of single edges about the mean, 0 if none shows
+  double bracket = 0;     ///< rad, interval in which no frame locates an edge, the wider of both; 0 if partly
+                          ///< lit frames measure the edges
   int cycles = 0;         ///< spanned
   int partly_lit = 0;     ///< frames whose exposure holds an edge
   double off_level = 0, on_level = 0;
@@ -54,14 +54,15 @@ struct GateMeasurement {
 /// One exposure of half-width h = w T / 2 (rad) in the middle of which the phase is theta shows the level
 ///   b = off + s (on - off),   s = share of [theta - h, theta + h] within the pulses,
 /// and s is linear in an edge that lies inside it. The likelihood of an edge is the product over the frames
-/// of all cycles of normal densities about that: where exposures overlap the edges it is narrow and normal;
-/// where they are short it is a box between the last dark and the first lit phase, which many cycles sampled
-/// at different phases narrow. Value and sd are mean and standard deviation under that likelihood, in both
+/// of all cycles of normal densities about that: if exposures overlap the edges it is narrow and normal; if
+/// they are short it is a box between the last dark and the first lit phase, narrowed by many cycles
+/// sampled at different phases. Value and sd are mean and standard deviation under that likelihood, in both
 /// cases and between them. A jitter of the edges from cycle to cycle is a Gaussian convolved with each
-/// frame's likelihood (closed form) and is brought in where it raises the likelihood clearly. Each frame may,
-/// with probability 1e-4, mean nothing (a flash).
+/// frame's likelihood (closed form) and is brought in where it raises the likelihood clearly. Each frame
+/// may, with probability 1e-4, be an outlier (a flash).
 ///
-/// Opening and closing edge are taken apart, which needs a pulse and a pause longer than one exposure.
+/// Opening and closing edge are treated separately, which requires a pulse and a pause longer than one
+/// exposure.
 GateMeasurement measure_gate(const LampRecord& lamp, const PhaseClock& clock);
 
 /// Brightness as a share of the lit lamp's, folded into one cycle: for plots.

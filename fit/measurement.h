@@ -17,7 +17,7 @@
 
 namespace tribotrack::fit {
 
-/// Data that cannot be used. what() is one sentence for the user with the remedy.
+/// Data that cannot be used; what() is one sentence for the user, with the remedy.
 class DataError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -37,8 +37,8 @@ struct Displacement {
   int cycles = 0;                                        ///< N
   double start_time = 0;                                 ///< s, the first analysed frame
   double duration = 0;                                   ///< s, N 2 pi / w
-  /// Given as alpha and v of N whole cycles, measured elsewhere: a fit that changes w changes the duration,
-  /// at the same v. False: two points of a recording, which lie `duration` apart whatever w is.
+  /// Given as alpha and v of N whole cycles, measured elsewhere: a fit that changes w changes the duration
+  /// at the same v. False: two points of a recording, `duration` apart whatever w is.
   bool given_as_velocity = false;
   std::optional<Estimate> alpha;  ///< rad in [0, 2 pi); empty below 3 sd of displacement
   Estimate mean_velocity;         ///< v, m/s
@@ -79,42 +79,43 @@ struct PlatformMotion {
   Estimate phase_at_zero;      ///< rad in [0, 2 pi)
   double residual_rms = 0;     ///< m
   bool clockwise = false;      ///< sense seen with y up: sin(epsilon) > 0
-  /// wt, where it is known best: at the middle of the track, where it does not go with w.
+  /// wt at the middle of the track, where it is known best: there it is not correlated with w.
   Estimate phase_at_middle;  ///< rad, not brought into [0, 2 pi): = phase_at_zero + w middle_time mod 2 pi
   double middle_time = 0;    ///< s
   /// dw/dt seen, rad/s^2, from the quadratic part of the phase. The other values are those of constant w.
   std::optional<Estimate> frequency_drift;
   std::vector<Harmonic> harmonics;  ///< 2 and 3, where the frames resolve them
-  double noise_factor = 1;  ///< what the standard deviations were widened by for residuals beyond white sigma
-  /// Relative, in the sds of both amplitudes: what an exposure that is not known can hide of them. All
+  double noise_factor =
+      1;  ///< factor by which the standard deviations were widened for residuals beyond white noise
+  /// Relative, included in the sds of both amplitudes: what an unknown exposure can hide of them. All
   /// recordings of a camera share it.
   double exposure_doubt = 0;
   bool frequency_drifts() const;  ///< the drift stands above 4 sd
 };
 
-/// The amplitude is that of the platform, not of its smeared picture: an exposure T shrinks the circle seen
-/// by sin(wT/2) / (wT/2), which is undone where the track knows T; where it does not, the sd holds it.
+/// The amplitude is that of the platform, not of its blurred picture: an exposure T shrinks the circle by
+/// sin(wT/2) / (wT/2), which is corrected if the track states T and included in the sd if not.
 ///
 /// The standard deviations follow the residuals where these are larger than the track's own sigma: by their
-/// size, by their power near w where they are coloured, and by the part that repeats every cycle (a template
-/// errs as a function of its place within the pixels, at all multiples of w alike: what is seen at 4w and
-/// above is allowed for at w).
+/// size, by their power near w where they are coloured, and by the part that repeats every cycle (the error
+/// of a template depends on its position within the pixels and has all multiples of w alike: what is seen
+/// at 4w and above is assumed at w).
 ///
 /// nullopt without a marker, or when the marker does not move more than its noise (then the platform rests).
 std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track);
 
-/// How a motion of one amplitude is seen through a play: what follows it only after it has turned by twice
-/// the half width, as what a coder shows of slow motion does (vision/coding).
+/// A motion of one amplitude seen through a dead band: the output follows only after a reversal by twice
+/// the half width, as slow motion in compressed video does (vision/coding).
 struct SeenThroughPlay {
   double attenuation = 0;  ///< share by which the amplitude of the fundamental is too small
   double delay = 0;        ///< rad
 };
 
-/// The play's describing function: of r = half_width / amplitude below 1
+/// The dead band's describing function: of r = half_width / amplitude below 1
 ///   1 - attenuation, delay = modulus and -angle of a + i b,
 ///   a = (pi/2 + asin(1 - 2r) + 2 (1 - 2r) sqrt(r (1 - r))) / pi,  b = -4 r (1 - r) / pi
-/// [Gelb and Vander Velde, Multiple-Input Describing Functions, 1968, appendix B]. From r = 1 on nothing is
-/// seen of the motion: attenuation 1, delay pi/2.
+/// [Gelb and Vander Velde, Multiple-Input Describing Functions, 1968, appendix B]. From r = 1 on the motion
+/// is not seen: attenuation 1, delay pi/2.
 SeenThroughPlay seen_through_play(double amplitude, double half_width);
 
 /// White noise of each coordinate of a track that has no standard deviations of its own.

@@ -1,11 +1,11 @@
-// What motion a track shows, before anything is measured of it: a part may be driven, slide to rest, run down
-// an incline, swing, be pulled, or rest, and each of these allows other conclusions.
+// Which motion a track shows, before anything is measured: a part may be driven, slide to rest, run down an
+// incline, swing, be pulled, or rest, and each allows different conclusions.
 //
 //   const ShownMotion shown = shown_motion(track);
 //   if (shown.kind == MotionKind::slide) ...                     // mu1 = deceleration / g may be asked for
 //   if (shown.oscillation) std::printf("%g rad/s\n", shown.oscillation->angular_frequency.value);
 //
-// Simple motions compete for the points, and none needs the points' sds to be right:
+// Simple motions are compared with the points; none relies on the points' sds:
 //   rest        all within 10 sd of the points;
 //   line at w   of what moves faster than w/2 more than half stands in one line of the spectrum, above noise.
 //               Three cycles at least; where the cycles are fewer than five, a cubic and a sinusoid must
@@ -32,16 +32,16 @@ enum class MotionKind { unknown, at_rest, driven, swinging, slide, incline, pull
 /// "driven", "at rest", "slide to rest", ...
 const char* to_string(MotionKind kind);
 
-/// A motion that repeats.
+/// A periodic motion.
 struct Oscillation {
   Estimate angular_frequency;   ///< rad/s
   double cycles = 0;            ///< in the track
   double major = 0, minor = 0;  ///< m, semi-axes of the ellipse
   double last_over_first = 1;   ///< amplitude in the last third of the track over that in the first
-  double drift = 0;             ///< m, by which it goes on from the first cycle to the last
+  double drift = 0;             ///< m, displacement from the first cycle to the last
 };
 
-/// A velocity that changes evenly.
+/// A constant deceleration.
 struct EvenBraking {
   double deceleration = 0;          ///< m/s^2, its mean; of an incline < 0
   double speed = 0;                 ///< m/s, where it is fastest

@@ -1,7 +1,7 @@
 // One quantity measured in several runs of one campaign: is it one, and what is it?
 //
 //   std::vector<Estimate> amplitudes;                       // of the runs' markers, each with its own sd
-//   const Pooled all = pool(amplitudes, 1e-6);              // 1e-6 m of each sd is the same error in all
+//   const Pooled all = pool(amplitudes);                    // sds: without what is the same error in all
 //   if (all.one_value()) use(all.mean);                     // else each run keeps its own
 //   const Estimate best = combined(given, all.mean);        // a second, independent opinion
 #pragma once
@@ -19,24 +19,22 @@ namespace tribotrack::fit {
 inline constexpr double kRefusedByChance = 1e-3;
 
 struct Pooled {
-  Estimate mean;      ///< sd: that of the mean and what all runs share
-  double own_sd = 0;  ///< that of the mean alone
-  double chi2 = 0;    ///< of the runs about their mean, count - 1 degrees of freedom
+  Estimate mean;
+  double chi2 = 0;  ///< of the runs about their mean, count - 1 degrees of freedom
   double p_value = 1;
   std::size_t count = 0;
   bool one_value() const { return p_value >= kRefusedByChance; }
 };
 
-/// The mean weighted by 1/s_k^2, where s_k is a run's sd without `common_sd`, the error that all share and no
-/// averaging takes out:
-///   mean = sum x_k / s_k^2 / W,  W = sum 1 / s_k^2,  own_sd^2 = 1 / W,  chi2 = sum (x_k - mean)^2 / s_k^2.
-/// Where chi2 refuses one value own_sd is that of the mean under the scatter seen, larger by sqrt(chi2 / dof)
+/// The mean weighted by 1/s_k^2, s_k the runs' own sds:
+///   mean = sum x_k / s_k^2 / W,  W = sum 1 / s_k^2,  sd^2 = 1 / W,  chi2 = sum (x_k - mean)^2 / s_k^2.
+/// Where chi2 refuses one value the sd is that of the mean under the scatter seen, larger by sqrt(chi2 / dof)
 /// [Birge, Phys. Rev. 40, 207 (1932)]. Values without an sd of their own are exact: equal, or refused.
 /// Throws std::invalid_argument for an empty list or an sd that is negative or no number.
-Pooled pool(std::span<const Estimate> values, double common_sd = 0);
+Pooled pool(std::span<const Estimate> values);
 
 /// Angles: the same about the first of them, so that no turn counts. The mean lies within pi of the first.
-Pooled pool_angles(std::span<const Estimate> values, double common_sd = 0);
+Pooled pool_angles(std::span<const Estimate> values);
 
 /// The mean of two independent estimates of one quantity, weighted by 1/sd^2. One without an sd is exact:
 /// it is the result (the first, where both are).

@@ -47,7 +47,7 @@ enum class FitParameter {
   gravity,
   slope,        ///< rad, added to the slope of every incline; 0 = as given
   start_phase,  ///< rad, added to the phase at which runs start that start at rest
-  // What friction may do beside the paper's law, 0 for the law itself (model/rival_laws.h):
+  // Departures from the paper's law of friction, 0 for the law itself (model/rival_laws.h):
   mu2_width,       ///< 1/rad, relative rise of mu2 with the width of the gate, about the mean of all runs
   wear,            ///< relative rise of mu1 and mu2 from the first run of the campaign to the last
   stribeck,        ///< relative
@@ -57,7 +57,7 @@ enum class FitParameter {
   static_friction  ///< relative
 };
 
-/// Those that only an integration under another law of friction knows.
+/// Those that need an integration under another law of friction.
 inline constexpr std::array kLaws = {FitParameter::stribeck, FitParameter::viscous, FitParameter::gate_edges,
                                      FitParameter::mu2_speed, FitParameter::static_friction};
 
@@ -69,21 +69,21 @@ struct Prior {
   double sd = 0;
 };
 
-/// A condition that all runs share and that is known to an sd: an unknown of the fit with the runs' own value
-/// as its prior mean. Amplitude and frequency are those of the first driven run, to which the others keep
+/// A condition that all runs share, known with an sd: an unknown of the fit whose prior mean is the runs'
+/// value. Amplitude and frequency are those of the first driven run, to which the others keep
 /// their ratio; tilts and gravity likewise.
 struct Condition {
   FitParameter quantity = FitParameter::amplitude;
   double sd = 0;     ///< SI, in the unit of the quantity (relative for scale and amplitude_ratio)
-  std::string from;  ///< where value and sd came from, for the budget: "marker, 14 runs", "campaign"
+  std::string from;  ///< source of value and sd, for the budget: "marker, 14 runs", "campaign"
 };
 
-/// Condition::from of what an explanation sets free.
+/// Condition::from of a condition that an explanation sets free.
 inline constexpr const char* kSetFree = "set free";
-/// Condition::from of what a lossy coder may have done to the platform's motion.
+/// Condition::from of the possible effect of compression on the platform's motion.
 inline constexpr const char* kFromCoder = "coder";
 
-/// Errors of what one run alone measures of its conditions (its gate, the phase at its start, its own A).
+/// Errors of the conditions that one run measures for itself (its gate, the phase at its start, its own A).
 struct OwnErrors {
   std::vector<model::Parameter> parameters;
   Eigen::MatrixXd covariance;  ///< SI, of them
@@ -99,18 +99,18 @@ struct SummaryRun {
   std::string name;
   model::Scenario scenario;  ///< all but the fitted parameters: drive, phi, dtau, start, start_phase, cycles
   Displacement measured;
-  bool amplitude_from_track = false;  ///< A was measured in the same picture: it scales with `scale`
+  bool amplitude_from_track = false;  ///< A was measured in the same picture and scales with `scale`
   OwnErrors own = {};                 ///< counted beside the covariance of `measured`
-  double course = 0;                  ///< place in the campaign, -1/2 for its first run to 1/2 for its last
-  bool held_out = false;              ///< not fitted, but predicted by the fit
+  double course = 0;      ///< position in the campaign, -1/2 for its first run to 1/2 for its last
+  bool held_out = false;  ///< predicted by the fit, not fitted
 };
 
-/// How fast the part of a free slide turns at its first point, and on how much of its face it bears:
-/// nuisances with this prior. An even disc whose rim does not touch turns on longer, and its spin spares it
-/// less friction.
+/// Spin of the part of a free slide at its first point, and radius of its bearing face: nuisance parameters
+/// with this prior. A disc that does not bear on its edge spins longer, and its spin lowers its friction
+/// less.
 struct DiscSpin {
   double rate = 0;     ///< rad/s
-  double bearing = 0;  ///< ln of the bearing face's radius over the part's; 0: all of it bears
+  double bearing = 0;  ///< ln of the bearing face's radius over the part's; 0: the whole face bears
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (rate, bearing)
   double rate_sd() const;
   /// Between nearly a point and all of a disc, or the corners of a square: beyond them nothing bears, and a
@@ -167,6 +167,9 @@ struct Problem {
   std::vector<std::pair<FitParameter, std::string>> exact;
   std::vector<SummaryRun> summary_runs;
   std::vector<TrajectoryRun> trajectory_runs;
+  bool fits(FitParameter parameter) const;
+  bool has_pulses() const;         ///< in a driven run
+  bool has_driven_tracks() const;  ///< trajectory runs that are no free slides
   /// An explanation sets it free.
   bool sets_free(FitParameter quantity) const;
   /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, data that are not

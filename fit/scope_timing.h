@@ -38,8 +38,8 @@ struct ScopeEvents {
 
 /// Pulses: upward crossings of half the height, with a hysteresis of a tenth. Bursts: the rectified carrier
 /// is averaged over one carrier period (its ripple has exactly that period, so it vanishes), and crosses half
-/// of its lit level. An edge is met half-way through the average, so the average's own delay cancels. Throws
-/// DataError where a recorded channel shows none.
+/// of its lit level. An edge is crossed half-way through the average, so the average's delay cancels.
+/// Throws DataError if a recorded channel shows none.
 ScopeEvents find_scope_events(const ScopeTrace& trace, const ScopeOptions& options);
 
 /// w and wt = 0 from the pulses: t_n = t_0 + 2 pi n / w, least squares.
@@ -54,12 +54,12 @@ std::optional<SensorClock> sensor_clock(const ScopeEvents& events, const ScopeOp
 /// how well the clock's time and the oscilloscope's are tied.
 GateMeasurement gate_from_scope(const ScopeEvents& events, const PhaseClock& clock, double tie_sd = 0);
 
-/// What a channel holds, for whoever must say which is which.
+/// What a channel shows, for the user who must say which is which.
 struct ChannelLook {
   enum class Kind {
     quiet,    ///< a level, or nothing that repeats
     pulses,   ///< one rise a turn, as a sensor's
-    bursts,   ///< a carrier that comes and goes, as an actuator's
+    bursts,   ///< a carrier switched on and off, as an actuator's
     carrier,  ///< one that never stops
   };
   Kind kind = Kind::quiet;
@@ -71,9 +71,9 @@ struct ChannelLook {
   double samples_per_period = 0;  ///< of the carrier
 };
 
-/// From the rises through half the height, with a hysteresis of a tenth, if most are one interval apart: with
-/// far longer pauses between they are a carrier's, without a sensor's; or a carrier's that never stops, where
-/// they come faster than any platform turns (500 Hz).
+/// By the rises through half the height, with a hysteresis of a tenth, if most are one interval apart. With
+/// far longer pauses between them they are a switched carrier's, without pauses a sensor's, or a continuous
+/// carrier's if they come faster than any platform turns (500 Hz).
 ChannelLook look_at_channel(const std::vector<double>& volts, double increment);
 
 }  // namespace tribotrack::fit

@@ -1,14 +1,14 @@
-// The slip of the pen behind a fit that fails or is absurd.
+// The typing error behind a fit that fails or is absurd.
 //
 //   const Typed typed{.amplitude = true, .directions = true};
 //   for (const SlipFound& slip : find_slips(problem, result, typed))
 //     std::printf("%s times %g: p = %g\n", to_string(slip.what), slip.factor, slip.p_value);
 //
-// A unit, a peak to peak value, a sense of turning: what was typed is then wrong by one of a few factors or
-// turns, none of which is near 1. Each is undone in the problem and the fit repeated. One that describes the
-// data (p > 0.01) with friction as it is found (mu1 from 0.005 to 0.6, mu2 below it) where the fit as given
-// does not, is the slip. Lengths, amplitude and friction scale together: a wrong scale under which A was
-// measured as well changes mu1 and mu2 by its factor, and the quality of the fit not at all.
+// A unit, a peak-to-peak value, a sense of rotation: the typed value is then wrong by one of a few factors
+// or angles, none of which is near 1. Each is undone in the problem and the fit repeated. One that describes
+// the data (p > 0.01) with friction as it is found (mu1 from 0.005 to 0.6, mu2 below it) where the fit as
+// given does not, is the slip. Lengths, amplitude and friction scale together: a wrong scale under which A
+// was measured as well changes mu1 and mu2 by its factor, and the quality of the fit not at all.
 #pragma once
 
 #include <map>
@@ -19,7 +19,7 @@
 
 namespace tribotrack::fit {
 
-/// What the campaign gives and no recording shows.
+/// What the campaign states and no recording shows.
 struct Typed {
   bool amplitude = false, frequency = false;
   bool timing = false;      ///< phi and dtau, commanded
@@ -42,18 +42,20 @@ struct SlipFound {
     phi_reversed     ///< counted against the platform's sense
   };
   What what = What::amplitude;
-  double factor = 1;  ///< by which what was typed is to be multiplied; or turned, rad
+  double factor = 1;  ///< factor to multiply the typed value by; or angle to turn it by, rad
   std::map<FitParameter, double> values;
   double chi2 = 0;
   int dof = 0;
   double p_value = 0;
 };
 
-/// A fit that did not converge or that chi^2 rejects (p < 0.001); one whose friction no pair of bodies has.
+/// A fit that did not converge or that chi^2 rejects (p < 0.001); one with friction that no pair of bodies
+/// has.
 bool is_failing(const FitResult& result);
 bool is_absurd(const FitResult& result);
 
-/// Those that explain a failing or absurd fit, alike in chi^2, the likeliest first; empty where none does. Of
+/// Those that explain a failing or absurd fit equally well by chi^2, the likeliest first; empty if none
+/// does. Of
 /// a sound one it is half the amplitude alone, where that describes the data better: twice the amplitude
 /// leaves room for a friction under which they are nearly the same. Free slides are looked at for their scale
 /// only. Some 20 ms each for 14 runs.

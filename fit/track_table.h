@@ -30,14 +30,11 @@ struct TrackTable {
   std::vector<double> time;               ///< s, 0 at the recording's first stored image
   std::vector<Eigen::Vector2d> position;  ///< m, relative to the first point
   std::vector<Eigen::Matrix2d>
-      covariance;  ///< m^2, of each point: the sum of its own noise and of the two below
+      covariance;  ///< m^2, of each point: the sum of its own noise and of the slow errors below
   /// Degrees of freedom that each axis's variance is as good as known by, where it was estimated from these
   /// very points (PointNoise::dof); 0: it is known.
   double noise_dof = 0;
-  std::vector<SlowError> slow;  ///< errors that neighbouring points share
-  /// F of each point, 2 x K, m: errors common to all of the track, F_i F_j' between points i and j. Empty, or
-  /// one for each point.
-  std::vector<Eigen::Matrix2Xd> shared;
+  std::vector<SlowError> slow;          ///< errors that neighbouring points share
   bool platform_frame = false;          ///< true: platform's motion subtracted; false: camera's frame
   std::vector<Eigen::Vector2d> marker;  ///< m, the marker in the camera's frame; empty without a marker
   std::vector<double> marker_sigma;     ///< m, per axis

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -55,29 +54,13 @@ struct BatchOptions {
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
 
-/// Why a solution was left to the scalar integrator.
-enum class ScalarReason {
-  drive,              ///< elliptic, tilted or none (all that spins): not constant in the turning frame
-  constant_friction,  ///< steady motion without pulses
-  start,              ///< the start needs a steady motion of its own
-  marginal,           ///< starts from rest with mu g within 2 % of the drive, or stops about at an edge
-  many_steps,         ///< creeps for long
-  weak_friction,      ///< cycles hardly contract: what rounding leaves of their motion would show
-  no_convergence,     ///< Newton's method on the one-cycle map
-};
-inline constexpr std::size_t kScalarReasons = 7;
-const char* to_string(ScalarReason reason);
-
 /// What the batch did. Counts solutions: two per scenario where both ends and steady motions are wanted.
 struct BatchSummary {
   std::size_t solutions = 0;
-  std::size_t in_lanes = 0;                             ///< solved side by side
-  std::array<std::size_t, kScalarReasons> by_scalar{};  ///< and one at a time, by reason
-  std::size_t not_solved = 0;                           ///< status other than done
-  long lane_steps = 0;                                  ///< steps of single lanes that did work
-  long lane_slots = 0;                                  ///< and all there was room for
+  std::size_t in_lanes = 0;    ///< solved side by side, the others one at a time
+  std::size_t not_solved = 0;  ///< status other than done
+  long lane_steps = 0;         ///< steps of single lanes
   std::string brief_report() const;
-  std::string full_report() const;  ///< with the reasons, one a line
 };
 
 struct BatchOutcome {
@@ -89,10 +72,12 @@ struct BatchOutcome {
 
 /// Solves equation (5) of the paper for many scenarios: eight side by side in the processor's vectors, each
 /// with its own step lengths and friction switches (a lane whose run has ended is given another), on several
-/// threads that take scenarios from a common counter. Runs the lanes cannot carry (see ScalarReason) are
-/// solved by integrate() and steady_orbit(). Results agree with those to 1e-11 of the path, and are the same
-/// to the last bit whatever the number of threads and whichever scenarios share a vector. Nothing is thrown
-/// for a bad scenario: its status is `invalid`, with the reason.
+/// threads that take scenarios from a common counter. Runs the lanes cannot carry - drives that are no
+/// circle, steady motions at constant friction or to start from, starts and stops near the threshold of
+/// friction, long creeping, cycles that hardly contract - are solved by integrate() and steady_orbit().
+/// Results agree with those to 1e-11 of the path, and are the same to the last bit whatever the number of
+/// threads and whichever scenarios share a vector. Nothing is thrown for a bad scenario: its status is
+/// `invalid`, with the reason.
 ///   BatchOptions options;
 ///   options.threads = 4;
 ///   const auto outcome = solve_batch(scenarios, options);

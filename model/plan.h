@@ -19,11 +19,10 @@ struct PlanStage {
   double error_bound = 0;  ///< m, what leaving it out can add to the end point
 };
 
-/// Stick and release (can the drive fall below friction?), friction switches (is mu ever switched?), platform
-/// drive (A = 0: a free slide), elliptic drive, tilt, transient (does the start follow a periodic motion?),
-/// every cycle (do they repeat, so that the rest follows by addition?), dense output (always of a
-/// trajectory), derivatives (fits only). Costs one steady_orbit() where cycles could repeat. `tribotrack
-/// bench model` measures what each saves. Throws InvalidParameter for a bad scenario.
+/// Stick and release (can the drive fall below friction?), friction switches (is mu ever switched?),
+/// transient (does the start follow a periodic motion?), every cycle (do they repeat, so that the rest
+/// follows by addition?). Costs one steady_orbit() where cycles could repeat. `tribotrack bench model`
+/// measures what each saves. Throws InvalidParameter for a bad scenario.
 std::vector<PlanStage> plan(const Scenario& scenario);
 
 /// Least |d(wt)| over a cycle, m/s^2: where friction is below it nothing ever sticks. |d|^2 is a

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "model/scenario.h"
 
@@ -32,9 +31,5 @@ struct RivalLaw {
 /// too many steps are needed. Viscous friction of negative strength, which a fit may try, is taken as it
 /// stands.
 Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance = 1e-9);
-
-/// Positions at increasing times from the start, none beyond the end, m: columns.
-Eigen::Matrix2Xd rival_positions(const Scenario& scenario, const RivalLaw& law,
-                                 const std::vector<double>& times, double tolerance = 1e-9);
 
 }  // namespace tribotrack::model

@@ -11,7 +11,7 @@ find model vision fit apps tests \( -name '*.cpp' -o -name '*.h' \) -print0 | xa
   exit 1
 }
 
-product() { grep -E '^(model|vision|fit|apps)/.*\.cpp$' | grep -vE '^apps/bench/(odeint|cvode)\.cpp$' || true; }
+product() { grep -E '^(model|vision|fit|apps)/.*\.cpp$' | grep -vE '^apps/bench/(peers|cvode)\.cpp$' || true; }
 if [ "${2:-}" = all ]; then
   mapfile -t files < <(find model vision fit apps -name '*.cpp' | product)
 else

@@ -80,15 +80,11 @@ Eigen::Matrix3d plane_homography(const CameraCalibration& calibration);
 /// way the board lay.
 PlanePose turned_to_picture(const CameraCalibration& calibration);
 
-/// A flat board of squares. A checkerboard is found only when it is seen whole; a ChArUco board (a marker in
-/// every white square) also in part.
+/// A flat checkerboard, found only when it is seen whole.
 struct CalibrationBoard {
-  enum class Kind { checkerboard, charuco } kind = Kind::checkerboard;
   int columns = 10, rows = 7;  ///< squares, not corners
   double square_mm = 0;
-  double square_relative_sd = 0;      ///< how well the side of a square is known; enters the scale's sd
-  double marker_mm = 0;               ///< side of a ChArUco marker
-  std::string dictionary = "4x4_50";  ///< 4x4_50 .. 7x7_1000 or an AprilTag family, vision/tags/dictionary.h
+  double square_relative_sd = 0;  ///< how well the side of a square is known; enters the scale's sd
   /// Throws std::invalid_argument naming the member.
   void validate() const;
 };
@@ -102,22 +98,18 @@ struct CalibrationPicture {
 struct PictureResult {
   std::string name;
   int corners = 0;
-  double rms_px = 0;  ///< reprojection, per corner
-  double worst_px = 0;
+  double rms_px = 0;    ///< reprojection, per corner
   double tilt_rad = 0;  ///< between the board and the picture plane
 };
 
 struct CalibrationResult {
   CameraCalibration calibration;
-  std::string model;                    ///< the lens terms kept: "focal length", "k1", ...
-  std::vector<std::string> tried;       ///< each model with its rms and its criterion
-  double rms_px = 0;                    ///< over all corners
+  std::string model;               ///< the lens terms kept: "focal length", "k1", ...
+  std::vector<std::string> tried;  ///< each model with its rms and its criterion
+  double rms_px = 0;               ///< over all corners
+  double focal_sd_px = 0;
   std::vector<PictureResult> pictures;  ///< the plane's first
   std::vector<std::string> left_out;    ///< pictures without a board, each with the reason
-  /// Of the parameters named, in this order: fx, fy, cx, cy, lens terms kept, and the plane's rotation
-  /// (Rodrigues) and translation.
-  std::vector<std::string> covariance_of;
-  Eigen::MatrixXd covariance;
 };
 
 /// `plane` shows the board lying on the platform; `pictures` at least three others that show it tilted.

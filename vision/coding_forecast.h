@@ -1,4 +1,4 @@
-// What to expect of a lossy recording before anything is tracked.
+// Expected errors of a recording with lossy compression, before anything is tracked.
 //
 //   if (const auto expected = forecast(*source->info().coder, 100)) std::cout << expected->advice << "\n";
 #pragma once
@@ -10,9 +10,10 @@
 
 namespace tribotrack::vision {
 
-/// Of a disc of 30 px radius with a rim of this contrast, grey levels: of such recordings errors of motion
-/// faster than 0.2 px a frame were 0.3 steps over the contrast where other frames predict (0.26 to 0.39;
-/// x264, mpeg4), 0.08 where every frame is coded by itself (0.06 to 0.10); slow motion comes late by up to d0
+/// For a disc of 30 px radius whose edge has this contrast, grey levels. In such recordings the errors of
+/// motion faster than 0.2 px a frame were 0.3 steps over the contrast with prediction between frames (0.26
+/// to 0.39; x264, mpeg4), 0.08 with every frame coded by itself (0.06 to 0.10); slow motion is delayed by
+/// up to d0
 /// = 0.71 dead_zone step / contrast (vision/coding/rim_coding.h).
 struct CodingForecast {
   double error_px = 0;
@@ -20,7 +21,7 @@ struct CodingForecast {
   std::string advice;
 };
 
-/// Nothing where the coder does not tell its steps.
+/// Empty if the codec's quantiser steps are unknown.
 std::optional<CodingForecast> forecast(const Coder& coder, double contrast);
 
 }  // namespace tribotrack::vision

@@ -1,6 +1,7 @@
-// How well the disc's position can be known at all from one frame of a synthetic scene.
+// The best possible accuracy of the disc's position in one frame of a synthetic scene.
 //
-// The measure for every tracker: its scatter over many noisy renderings, divided by this bound, is 1 at best.
+// The yardstick for every tracker: its scatter over many noisy renderings, divided by this bound, is 1 at
+// best.
 //
 //   const SceneRenderer renderer(scene);
 //   const auto pose = [](double) { return ScenePose{{160.3, 120.7}, 0, {}}; };
@@ -22,7 +23,7 @@ namespace tribotrack::vision {
 
 /// The Cramer-Rao bound: no unbiased estimate of the disc's centre c from this frame has a covariance (px^2)
 /// below [sum_x grad_c I grad_c I^T / var(I)]^-1, var(I) = read^2 + shot I + 1/12 for rounding to whole
-/// levels. Everything but c counts as known: the disc's look and rotation, the platform's picture and its
+/// levels. Everything but c is taken as known: the disc's look and rotation, the platform's picture and its
 /// position (the limit for a layered tracker). The whole motion within the exposure is shifted by c.
 /// Saturated pixels carry no information. Infinite where the frame does not determine c. Robinson and
 /// Milanfar, IEEE Trans. Image Processing 13 (2004).

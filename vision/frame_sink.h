@@ -23,7 +23,7 @@ enum class Codec { automatic, cine, ffv1, mjpeg, h264, png, tiff };
 struct SinkOptions {
   int width = 0;
   int height = 0;
-  int bits = 8;  ///< 8, 10 or 12; .cine: 8 -> 8 bit, 12 -> 12 in 16, 10 -> P10 (companded on disk)
+  int bits = 8;  ///< 8, 10 or 12; .cine: 8, or 12 in 16
   double frame_rate_hz = 1000;
   double exposure_s = 0;  ///< .cine header
   /// automatic: by the file's name (.cine; .mkv/.avi -> FFV1/MJPEG; .mp4 -> H.264; %05d.png, %05d.tif)
@@ -37,8 +37,8 @@ class FrameSink {
  public:
   virtual ~FrameSink() = default;
   virtual void write(const Picture& picture) = 0;
-  /// 8-bit RGB, interleaved; only the video codecs mjpeg and h264 and png take it (overlays).
-  virtual void write_rgb(int width, int height, const unsigned char* rgb) = 0;
+  /// 8-bit RGB, interleaved; only the video codecs mjpeg and h264 take it (overlays).
+  virtual void write_rgb(int width, int height, const unsigned char* rgb);
   virtual void close() = 0;
 };
 

@@ -31,21 +31,20 @@
 
 namespace tribotrack::vision {
 
-/// The coder of a recording that was not stored as the camera saw it; vision/coding says what follows for
-/// positions.
+/// The codec of a recording with lossy compression; vision/coding says what follows for positions.
 struct Coder {
   std::string name;        ///< "x264", "x265", "mjpeg", "mpeg4", "h264 of an unknown coder", ...
-  std::string settings;    ///< as the coder wrote them into the stream; empty where it did not
-  int grid = 8;            ///< px: side of the blocks that it quantises by themselves
+  std::string settings;    ///< as the encoder wrote them into the stream; empty if it did not
+  int grid = 8;            ///< px: side of the blocks that are quantised separately
   bool all_intra = false;  ///< every frame is coded by itself
   double group = 0;        ///< frames from one key frame to the next, on average; all where only one is there
-  /// Coefficients below this many steps are not coded where another frame predicts them.
+  /// Coefficients below this many steps are not coded if another frame predicts them.
   double dead_zone = 0.83;
   bool known = false;  ///< which one it was, and with which settings
   double step = 0;     ///< of the quantiser in the first frame (CodedCell), grey levels; 0 unknown
 };
 
-/// How a coder stored a part of a frame.
+/// How the codec stored a part of a frame.
 struct CodedCell {
   enum class Kind : unsigned char {
     intra,   ///< by itself
@@ -55,7 +54,7 @@ struct CodedCell {
   float step = 0;  ///< of the quantiser, in coefficients of an orthonormal transform, grey levels; 0 unknown
 };
 
-/// How a coder stored a frame, by cells of 8 x 8 px, row by row; no cells where the decoder does not tell.
+/// How the codec stored a frame, by cells of 8 x 8 px, row by row; no cells if the decoder does not tell.
 struct CodedFrame {
   static constexpr int kCell = 8;
   char type = '?';  ///< 'I', 'P' or 'B'
@@ -74,24 +73,24 @@ struct SourceInfo {
   int height = 0;
   int bits = 0;         ///< significant bits of the grey levels handed out (after linearisation)
   bool colour = false;  ///< stored in colour and handed out as luma
-  /// Any window of a frame costs the decoding of the whole frame, out of order that of others too.
+  /// Any window costs the decoding of the whole frame, and out of order that of others.
   bool decoded = false;
-  std::optional<Coder> coder;  ///< of a lossy coding; nothing where the levels are those of the camera
+  std::optional<Coder> coder;  ///< of lossy compression; empty if the levels are those of the camera
   std::int64_t frame_count = 0;
   /// The recording's own number of its first stored image (0 unless it has numbers).
   std::int64_t first_number = 0;
-  std::vector<std::int64_t> numbers;  ///< of every image, where they do not count on from first_number
+  std::vector<std::int64_t> numbers;  ///< of every image, unless they count on from first_number
   TimeBase time_base;
   std::optional<double> exposure_s;  ///< of the first frame where it varies
   std::vector<double> exposures_s;   ///< one per frame where the camera wrote them down, else empty
-  /// Grey levels of black and white as handed out, where the file states them: the header of a .cine, or
+  /// Grey levels of black and white as handed out, if the file states them: the header of a .cine, or
   /// video in limited range (16 and 235, scaled to the depth).
   std::optional<double> black_level, white_level;
   double pixel_aspect = 1;  ///< width of a pixel over its height, as the file states it
   int rotation_deg = 0;  ///< by which players turn the pictures, counter-clockwise; here they are as stored
   std::string camera;    ///< empty where the file does not state it
   std::string trigger_time;        ///< ISO 8601 UTC, empty where the file does not state it
-  std::vector<std::string> notes;  ///< what a user should know: companding undone, colour turned to luma, ...
+  std::vector<std::string> notes;  ///< for the user: companding undone, colour converted to luma, ...
 
   /// Grey level from which on a pixel is saturated.
   double clipping_level() const { return white_level.value_or(std::ldexp(1.0, bits) - 1); }
@@ -110,15 +109,15 @@ class FrameSource {
   /// Time of the middle of a frame's exposure, s; 0 at that of the recording's first stored image. Needs a
   /// time base.
   double time_s(std::int64_t index) const { return info_.time_base.time_s(index); }
-  /// How long a frame was exposed, s; nothing where the file does not state it. time_s is the middle of it.
+  /// Exposure of a frame, s; empty if the file does not state it. time_s is its middle.
   std::optional<double> exposure_s(std::int64_t index) const {
     return info_.exposures_s.empty() ? info_.exposure_s : info_.exposures_s[static_cast<std::size_t>(index)];
   }
   Rect bounds() const { return {0, 0, info_.width, info_.height}; }
-  /// Reads a window of a frame, which must lie inside bounds(). Formats that can, read only its rows.
+  /// Reads a window of a frame, which must lie inside bounds(); only its rows, if the format allows it.
   /// Sequential access is fast in every format. Throws InputError.
   virtual void read(std::int64_t index, const Rect& window, Picture& picture) = 0;
-  /// How a lossy coder stored a frame that was read lately (among the last 128); null where nobody tells.
+  /// How the codec stored one of the last 128 frames that were read; null if that is unknown.
   virtual const CodedFrame* coded(std::int64_t index) const {
     static_cast<void>(index);
     return nullptr;
@@ -148,7 +147,7 @@ class MemorySource : public FrameSource {
   std::vector<Picture> frames_;
 };
 
-/// Where the grey levels of a recording lie in memory: level (frame k, row y, column x) at first + k
+/// The layout of a recording in memory: level (frame k, row y, column x) at first + k
 /// frame_stride + y row_stride + x level_stride. Strides count bytes and may be negative.
 struct FrameStack {
   const void* first = nullptr;
@@ -158,8 +157,8 @@ struct FrameStack {
   std::ptrdiff_t frame_stride = 0, row_stride = 0, level_stride = 0;
 };
 
-/// Frames that stay where they are, in the memory of a camera's library or a NumPy array: nothing is copied
-/// but the windows that are read. The memory must outlive the source, unchanged; frame 0 is at time 0.
+/// Frames in the memory of a camera's library or a NumPy array: nothing is copied but the windows that are
+/// read. The memory must outlive the source, unchanged; frame 0 is at time 0.
 class StackSource : public FrameSource {
  public:
   /// Throws std::invalid_argument for an empty stack, levels of other sizes or more bits than these hold, and
@@ -174,33 +173,31 @@ class StackSource : public FrameSource {
 
 struct SourceOptions {
   std::optional<double> frame_rate_hz;  ///< given by the user: overrides what the file states
-  /// How the user knows. Without it a rate is refused that is only what the file says of its playback.
+  /// How the user knows. Without it a rate that is only the file's playback rate is refused.
   std::string frame_rate_reason = {};
 };
 
 /// Opens a Phantom .cine, anything libav decodes, a multi-page TIFF, a directory of pictures (natural sort),
 /// or a printf pattern such as "dir/%05d.png". Throws InputError. A recording whose capture rate is unknown
-/// opens all the same, with time_base.rate_hz empty and the reasons in its candidates: code that needs times
-/// must refuse it.
+/// is opened, with an empty time_base.rate_hz and the reasons in its candidates: code that needs times must
+/// refuse it.
 std::unique_ptr<FrameSource> open_source(const std::filesystem::path& path,
                                          const SourceOptions& options = {});
 
-/// The files whose bytes decide what open_source(path) hands out: the recording itself; the pictures of a
-/// folder or pattern, in the order of the frames, and nothing that lies beside them; the camera's text file
-/// (.cih, .cihx) that states the capture rate. Throws InputError where there is no such recording.
+/// The files on which open_source(path) depends: the recording itself; the pictures of a folder or pattern,
+/// in the order of the frames; the camera's text file (.cih, .cihx) that states the capture rate. Throws
+/// InputError if there is no such recording.
 std::vector<std::filesystem::path> files_of_recording(const std::filesystem::path& path);
 
-/// Bytes of a file before its first picture, where the format keeps there what it tells of each (.cine:
-/// times, exposures, places). 0 for other formats and where it cannot be read.
+/// Bytes of a file before its first picture, for formats that keep the description of every frame there
+/// (.cine: times, exposures, positions); else 0.
 std::uint64_t bytes_before_pictures(const std::filesystem::path& path);
 
-/// Whether the file's name holds one number to be filled in, as in "dir/%05d.png". The name alone decides, so
-/// it holds for recordings that are still to be written.
+/// Whether the file's name is a pattern for one number, such as "dir/%05d.png"; the files need not exist.
 bool is_number_pattern(const std::filesystem::path& path);
 
-/// Keeps OpenCV's own functions on the calling thread, for the whole process: recordings are worked on side
-/// by side, one per thread, so that a thread count given by the user holds. This is the program's choice, so
-/// main() calls it.
+/// Keeps OpenCV's functions on the calling thread, for the whole process, so that the user's number of
+/// threads holds: recordings are processed in parallel. main() calls it.
 void keep_to_calling_thread();
 
 }  // namespace tribotrack::vision

@@ -84,13 +84,8 @@ class PlaneGeometry {
   /// Both planes alike and no lens: a factor is all there is.
   bool plain() const { return !calibration_ && part_.mm_per_px == marker_.mm_per_px; }
 
-  /// The geometry without those stages, parallax and lens, whose corrections stay below a tenth of the
-  /// tracking's sd in this track. Each is entered in the plan with the largest correction it would make.
-  PlaneGeometry as_needed(const Track& track, double tracking_sd_px, std::vector<PlanStage>& plan) const;
-
  private:
   Scale part_, marker_;
-  ScalePlane known_ = ScalePlane::platform;  ///< the other's scale follows from this one's
   std::optional<CameraCalibration> calibration_;
   double height_mm_ = 0;
 };

@@ -35,10 +35,8 @@ class DebugFolder : public DebugSink {
   /// Creates the folder. Throws InputError where nothing can be written there.
   explicit DebugFolder(std::filesystem::path folder);
   void show(const StagePicture& picture) override;
-  void show(const StageCurve& curve) override;
 
  private:
-  void write(const std::string& name, const std::vector<unsigned char>& png, const std::string& index_line);
   std::filesystem::path folder_;
   std::string index_;
 };

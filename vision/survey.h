@@ -1,11 +1,11 @@
-// What a recording shows before anything is given: round things and how they move, lamps that switch.
+// What a recording shows before anything is given: discs and how they move, lamps that switch.
 //
 //   const auto source = open_source("run.cine");
 //   const Survey seen = survey(*source);
 //   if (const SurveyedDisc* part = seen.part()) std::cout << part->circle.x << ' ' << part->circle.y << '\n';
 //
-// A look at some frames, not a measurement: places are good to a fraction of a pixel, roles are guesses for a
-// person to confirm (write_survey_png in overlay.h draws them).
+// It looks at some frames and measures nothing: positions are good to a fraction of a pixel, roles are
+// guesses for the user to confirm (write_survey_png in overlay.h draws them).
 #pragma once
 
 #include <cstdint>
@@ -17,15 +17,15 @@ namespace tribotrack::vision {
 
 /// What a disc may be, by how it moves in the frames looked at.
 enum class DiscRole {
-  part,      ///< moves farthest; where nothing does, the one seen best
-  mark,      ///< stays near its place but moves there, as what is fixed to the platform does
+  part,      ///< moves farthest; if nothing moves, the one seen best
+  mark,      ///< moves about its place, like something fixed to the platform
   resting,   ///< stays where it is: fixed to the camera's frame, or to a platform at rest
   like_part  ///< as large as the part, and moves too
 };
 
 struct SurveyedDisc {
   Circle circle;        ///< in the survey's frame
-  double coverage = 0;  ///< share of its rim that is seen, 0 .. 1
+  double coverage = 0;  ///< share of its edge that is seen, 0 .. 1
   double moved_px = 0;  ///< the farthest it was seen from there in other frames
   int seen_in = 0;      ///< of Survey::frames_looked_at
   DiscRole role = DiscRole::resting;
@@ -39,7 +39,7 @@ struct SurveyedLamp {
 };
 
 struct Survey {
-  std::int64_t frame = 0;  ///< the recording's own number of that in which circles lie: the first with a disc
+  std::int64_t frame = 0;           ///< of the circles, the recording's own number: the first with a disc
   int frames_looked_at = 0;         ///< for discs
   std::vector<SurveyedDisc> discs;  ///< the part first, then marks, then the rest; each best first
   std::vector<SurveyedLamp> lamps;  ///< brightest change first

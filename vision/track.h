@@ -1,4 +1,4 @@
-// A track: where the part was in every frame, and how well that is known.
+// A track: the part's position in every frame, with its uncertainty.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ enum class TrackStatus {
   ok,      ///< measured in this frame
   lost,    ///< not found; no position
   edge,    ///< reaches out of the picture; no position
-  repeat,  ///< the picture of the frame before once more; no position
+  repeat,  ///< the same picture as the frame before; no position
 };
 
 const char* to_string(TrackStatus status);
@@ -29,7 +29,7 @@ struct MarkerPoint {
   double sigma_x = 0, sigma_y = 0, rho_xy = 0;
 };
 
-/// How far the part has turned since the first frame in which that is seen.
+/// Rotation of the part since the first frame in which its texture shows it.
 struct Rotation {
   double theta = 0;  ///< rad, counter-clockwise as seen (y up); not wrapped
   double sigma = 0;  ///< standard deviation, rad
@@ -47,7 +47,7 @@ struct TrackPoint {
   std::optional<Rotation> rotation;   ///< where it is seen
   std::optional<double> gate;         ///< the lamp's mean grey level, where a lamp is given
   char frame_type = 0;                ///< 'I', 'P' or 'B' in a lossy recording, else 0
-  double coding_x = 0, coding_y = 0;  ///< variances, px^2, that are in the sigmas for its coder
+  double coding_x = 0, coding_y = 0;  ///< variances, px^2, included in the sigmas for compression
 };
 
 /// Millimetres per pixel and where they come from.
@@ -66,10 +66,10 @@ struct Track {
   std::int64_t first_seen() const;
 };
 
-/// A rolling shutter reads its rows one after the other, `row_time` s apart (negative: from the bottom up):
-/// every point gets the time at which the part's own row was read, counted from that of `middle_row`, and the
-/// mark, whose row was read at another time, the position that it had then, by its velocity between the
-/// neighbouring frames.
+/// Corrects for a rolling shutter, which reads the rows one after the other, `row_time` s apart (negative:
+/// from the bottom up). Every point gets the time at which the part's own row was read, relative to
+/// `middle_row`; the mark, whose row was read at another time, is moved to that time by its velocity
+/// between the neighbouring frames.
 void shift_to_rows(Track& track, double row_time, double middle_row);
 
 /// A stage of the work that a scene may or may not need.
@@ -101,54 +101,50 @@ struct FrameCounts {
   bool left_for_good = false;
 };
 
-/// What the recording itself says of the standard deviations that tracking found by its model: ratios of what
-/// is seen to what they predict, before the audit widened them; 1 is right. Empty where there is too little
-/// to tell.
-/// `high_frequency` and `lag1` are of the coordinate, x or y, that is further off.
+/// Test of the model's standard deviations on the recording itself: ratios of the observed to the predicted
+/// scatter, before they were widened; 1 is as predicted. Empty where there are too few data.
+/// `high_frequency` is of the coordinate, x or y, that is further off.
 struct Audit {
   std::int64_t frames = 0;               ///< whose halves were compared
   std::optional<double> halves_x;        ///< positions from the part's left and right half
   std::optional<double> halves_y;        ///< from its top and bottom half
-  std::optional<double> high_frequency;  ///< scatter from frame to frame, where the motion is slow against it
-  std::optional<double> lag1;  ///< correlation of a frame's error with the next one's; 0 for white noise
-  double white_factor = 1;     ///< what every covariance is multiplied by
-  /// What slow errors add to each coordinate beyond what its standard deviation held, px, and their
-  /// correlation time, s.
+  std::optional<double> high_frequency;  ///< scatter from frame to frame, if the motion is slow
+  double white_factor = 1;               ///< what every covariance is multiplied by
+  /// Correlated errors added to each coordinate, px, and their correlation time, s.
   double slow_sd = 0, slow_time = 0;
 };
 
-/// What the coder of a lossy recording does to a track; see vision/coding.
+/// Effect of lossy compression on a track (vision/coding).
 struct CodedErrors {
   struct OfType {
     char type = '?';  ///< 'I', 'P' or 'B'
     std::int64_t frames = 0;
-    double step = 0;      ///< of the quantiser at the rim, grey levels; 0 unknown
-    double still = 0;     ///< share of the rim that is predicted from the same place of another frame
-    double added_sd = 0;  ///< px rms of a coordinate, beyond what the audit leaves
+    double step = 0;      ///< of the quantiser at the part's edge, grey levels; 0 unknown
+    double still = 0;     ///< share of the edge that is predicted from the same place of another frame
+    double added_sd = 0;  ///< px rms of a coordinate, beyond the audit's
   };
   std::string coder, settings;
   bool known = false;  ///< which one it was, and with which settings
   std::vector<OfType> types;
   double step = 0, still = 0, moving = 0;  ///< means over the frames
-  double unnoticed = 0;                    ///< px that the part can move before the coder notices
-  /// Half widths, px, of the play through which slow motion of the part and of the mark is seen: it comes
-  /// late by up to that, and its amplitude too small.
+  double unnoticed = 0;                    ///< px that the part can move before the codec encodes it
+  /// Half widths, px, of the dead band through which slow motion of the part and of the mark is seen: it
+  /// arrives late by up to that, with too small an amplitude.
   double part_play = 0, mark_play = 0;
   double added_sd = 0;   ///< px rms of a coordinate
-  double slow_time = 0;  ///< s over which what is added stays alike
+  double slow_time = 0;  ///< correlation time of what is added, s
   /// Share of the displacement by which the two passes differ, where it is beyond doubt.
   double passes_differ = 0;
 };
 
-/// An error that neighbouring frames share: of each coordinate by itself, stationary, of covariance
+/// A correlated error: of each coordinate by itself, stationary, with covariance
 /// sd^2 exp(-|t - t'|/time) between two frames. It is included in every point's standard deviations.
 struct SlowPart {
-  std::string from;  ///< "pictures", "halves", "coder": what told of it
+  std::string from;  ///< its source: "pictures", "halves", "coder"
   double sd = 0;     ///< px, of one coordinate, its mean over the track removed
   double time = 0;   ///< s, the integral of its autocorrelation
 };
 
-/// What is known of a track as a whole.
 /// A square tag (ArUco, AprilTag) on the platform, in the first frame.
 struct SeenTag {
   std::string dictionary;
@@ -156,26 +152,27 @@ struct SeenTag {
   double side_px = 0, side_sd_px = 0;  ///< of the black square
 };
 
+/// What is known of a track as a whole.
 struct TrackSummary : FrameCounts {
   Circle disc;  ///< its edge as seen in the first frame: given or found, px; radius 0 for a rectangle
   double disc_blur = 0;  ///< s, Gaussian sd of its edge with the pixel in it, px; 0 where not measured
   /// Of the edge as seen, px, 0 where not measured.
   double disc_radius_sd = 0;
-  /// Of the outer edge, px: what lies beyond the edge as seen is a chamfer that may not show; the same as of
-  /// that where no edge confirmed it. Part of the sd every recording of this part shares.
+  /// The outer edge, px: beyond the edge as seen there may be a chamfer that does not show. That of the
+  /// edge as seen where none was measured. The common sd is what all recordings of this part share.
   double outer_radius = 0, outer_radius_sd = 0, outer_radius_common_sd = 0;
-  double chamfer = 0;             ///< px: its width where known or seen, else the widest that would not show
+  double chamfer = 0;             ///< px: its width if known or seen, else the widest that would not show
   bool chamfer_known = false;     ///< given, or seen
   Circle marker;                  ///< a round one; radius 0 without
-  std::optional<SeenTag> tag;     ///< that the marker is
-  bool ground_is_marker = false;  ///< all of the platform's ground that is seen serves as its marker
+  std::optional<SeenTag> tag;     ///< the marker, if it is one
+  bool ground_is_marker = false;  ///< the platform's whole visible ground is the marker
   int gate_pixels = 0;            ///< pixels averaged over the lamp, 0 without one
-  double gate_clipped_share = 0;  ///< share of them that clip, in the frame in which most do
+  double gate_clipped_share = 0;  ///< clipped share of them, in the worst frame
   double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included
   double limit_px = 0;      ///< Cramer-Rao bound of one coordinate, px; of the layered model where it is used
   bool layered = false;     ///< positions come from the layered second pass
-  /// Errors that the points of a track have in common beyond each point's own, independent of each other. A
-  /// mean over many points does not average them out.
+  /// Correlated errors of the points, beside each point's own and independent of each other: a mean over
+  /// many points does not average them out.
   std::vector<SlowPart> slow;
   double slow_sd() const;    ///< px, of all of them
   double slow_time() const;  ///< s, their mean by variance
@@ -183,7 +180,7 @@ struct TrackSummary : FrameCounts {
   std::optional<CodedErrors> coded;  ///< of a lossy recording
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
-  /// One line for a person.
+  /// One line for people.
   std::string brief_report() const;
 };
 

@@ -1,7 +1,5 @@
 #include "vision/tracker.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,7 +13,7 @@
 #include "vision/camera/pixels.h"
 #include "vision/coding/coded_errors.h"
 #include "vision/coding/rim_coding.h"
-#include "vision/edge/chamfer.h"
+#include "vision/edge/radius.h"
 #include "vision/edge/stage.h"
 #include "vision/layers/stage.h"
 #include "vision/rotation/rotation_track.h"
@@ -93,13 +91,9 @@ class Tracking {
   void check_camera_and_mend();
   void find_first_frame();
   void follow();
-  void follow_from_start();
-  void follow_from(const BetterStart& better);
-  std::optional<BetterStart> better_start();
   void measure_layers();
   void measure_edge();
   void follow_rotation();
-  void decline_for_coding(LayeredOutcome& layers, const Track& measured) const;
   void audit_track();
   void allow_for_coding();
   void measure_radius();
@@ -142,38 +136,7 @@ void Tracking::find_first_frame() {
   add(result_.summary.warnings, seen.warning);
 }
 
-/// The first pass; again from a later frame where the first ones show the part covered.
 void Tracking::follow() {
-  follow_from_start();
-  if (const auto better = better_start(); better) follow_from(*better);
-  ask_if_it_rests(frames(), start_, result_.track, first_pass_->result().disc, options_);
-}
-
-/// Kept where the part is seen in more frames.
-void Tracking::follow_from(const BetterStart& better) {
-  const Target target = std::exchange(options_.target, {Target::Kind::disc, better.disc, {}});
-  const std::int64_t start = std::exchange(start_, better.index);
-  TrackResult before = std::exchange(result_, {});
-  std::unique_ptr<FirstPass> pass = std::move(first_pass_);
-  const CodingWatch coding = std::move(*coding_);
-  result_.summary.warnings = {better.warning};
-  follow_from_start();
-  if (result_.summary.ok > before.summary.ok) return;
-  options_.target = target;
-  start_ = start;
-  result_ = std::move(before);
-  first_pass_ = std::move(pass);
-  coding_.emplace(coding);
-}
-
-/// Where most frames are lost once the part has been lost for the first time.
-std::optional<BetterStart> Tracking::better_start() {
-  const auto running = clock_.enter(Stage::finding);
-  if (result_.summary.gate_passed || result_.summary.rests_for_ever) return std::nullopt;
-  return start_after_loss(frames(), start_, result_.track, first_pass_->result().disc, options_);
-}
-
-void Tracking::follow_from_start() {
   cache_first_frames(start_);
   first_pass_ =
       std::make_unique<FirstPass>(frames(), FrameRange{start_, range_.last}, camera_, options_, clock_);
@@ -188,6 +151,7 @@ void Tracking::follow_from_start() {
     if (options_.progress) options_.progress((k + 1) / (options_.layers == Layers::off ? 1 : 2), total);
   }
   result_.track = first_pass_->finish(result_.summary);
+  ask_if_it_rests(frames(), start_, result_.track, first_pass_->result().disc, options_);
 }
 
 /// The second pass, kept where it does better than the first.
@@ -199,7 +163,6 @@ void Tracking::measure_layers() {
   if (recording_.info().coder) first_track_ = result_.track;
   LayeredOutcome layers = layered_stage(frames(), first, options_, shown, clock_, measured);
   TrackSummary& summary = result_.summary;
-  if (layers.done && recording_.info().coder) decline_for_coding(layers, measured);
   add(summary.plan, layers.plan);
   summary.layered = layers.done;
   if (!layers.done && options_.layers == Layers::on)
@@ -240,24 +203,6 @@ void Tracking::follow_rotation() {
   measure_rotation(frames(), first_pass_->result(), result_.track, result_.summary.plan, options_.threads);
 }
 
-/// Pictures learnt from a coded recording hold the part back where it moves little (coded_errors.h).
-void Tracking::decline_for_coding(LayeredOutcome& layers, const Track& measured) const {
-  const double differ = error_of_difference(measured, result_.track);
-  const double layered = std::hypot(predicted_error(measured, layers.audited), differ);
-  const double first = predicted_error(result_.track, first_pass_->result().audited);
-  if (!(differ > 0) || !(first < layered) || !layers.ground_known) return;
-  PlanStage stage = layers.plan.front();
-  stage.on = false;
-  stage.error_bound_px = std::nullopt;
-  stage.reason = fmt::format(
-      "the recording is coded, and the pictures learnt hold the part back by {:.4f} px rms; predicted "
-      "errors: "
-      "{:.2g} px by the template, {:.2g} px by the pictures learnt; {}",
-      differ, first, layered, stage.reason);
-  layers = {};
-  layers.plan = {std::move(stage)};
-}
-
 /// Of the pass that the positions are from.
 void Tracking::audit_track() {
   const auto running = clock_.enter(Stage::audit);
@@ -269,7 +214,7 @@ void Tracking::allow_for_coding() {
   const auto& coder = recording_.info().coder;
   if (!coder || coding_->frames().empty()) return;
   const auto running = clock_.enter(Stage::audit);
-  CodedTrack coded{.coder = *coder, .frames = coding_->frames(), .first_index = start_, .audited = audited_};
+  CodedTrack coded{.coder = *coder, .frames = coding_->frames(), .first_index = start_};
   const std::int64_t first = coded.frames.front().index;
   const Picture picture = frames().read(first);
   const TrackPoint& at = result_.track.points[static_cast<std::size_t>(first - start_)];
@@ -291,16 +236,13 @@ void Tracking::measure_radius() {
   summary.outer_radius = summary.disc.radius;
   summary.outer_radius_sd = summary.disc_radius_sd;
   if (!(summary.disc_blur > 0)) return;
+  const std::vector<FirstPassFrame> seen = seen_frames(result_.track, start_).frames;
   double common_sd = 0;
-  if (const auto mean = first_pass_->radius()) {
-    summary.disc.radius = mean->radius;
-    summary.disc_radius_sd = mean->sd;
+  if (const auto mean = seen_edge(frames(), seen, summary.disc.radius)) {
+    summary.disc.radius = mean->circle.radius;
+    summary.disc_radius_sd = mean->radius_sd;
     common_sd = mean->common_sd;
   }
-  std::vector<FirstPassFrame> seen;
-  for (std::size_t k = 0; k < result_.track.points.size(); ++k)
-    if (const TrackPoint& p = result_.track.points[k]; p.status == TrackStatus::ok)
-      seen.push_back({start_ + static_cast<std::int64_t>(k), {p.x, p.y}, {}});
   std::optional<double> chamfer;
   if (options_.chamfer) chamfer = *options_.chamfer * summary.disc.radius;
   const OuterEdge edge = outer_edge(frames(), seen, summary.disc.radius, summary.disc_blur,

@@ -1,22 +1,21 @@
-// Tracking a part through a recording to a fraction of a pixel, with the standard deviation of every
+// Tracking a part through a recording to a fraction of a pixel, with a standard deviation for every
 // position.
 //
-// First pass: the part's own picture in the first frame, averaged over more frames where its noise matters,
-// is the template T. In each frame I the position d minimises the ZNCC criterion
+// First pass: the part's picture in the first frame, averaged over more frames if its noise matters, is the
+// template T. In each frame I the position d minimises the ZNCC criterion
 //   sum_x w(x) [I(x) - a T(x - d) - b]^2,   a gain, b offset (and the rotation where T shows it),
 // by Gauss-Newton from a prediction; a lost part is searched for by correlation. The covariance of d is the
 // Cramer-Rao bound of T in the measured noise, widened where the residual exceeds the noise.
 //
-// Where T no longer looks like the part (brushed metal that turns under a lamp), the part's rim alone is
+// Where T no longer looks like the part (brushed metal that turns under a lamp), only the part's edge is
 // measured.
 //
-// Second pass (Layers), for discs: what the part shows at every place of its own grid, how much of the
-// platform shows there and what the platform looks like are learnt from the recording itself, and every frame
-// is measured again over these pictures, each place weighed by what it leaves unexplained. In the end an
-// audit asks the recording itself whether the standard deviations hold, and widens them where they do not.
-// Where these say clearly more than noise alone would allow - the part turns, the light changes - its edge is
-// measured, blind to what happens inside it, in bands of time (edge/edge.h), and kept where it is known
-// better.
+// Second pass (Layers), for discs: the appearance of the part, of the platform, and how much of the
+// platform shows at every place of the part are learned from the recording itself, and every frame is
+// measured again with these pictures, each place weighted by its residuals. An audit then tests the
+// standard deviations on the recording itself and widens them where they do not hold. Where they clearly
+// exceed what noise alone allows - the part turns, the light changes - the part's edge is measured in bands
+// of time (edge/edge.h), regardless of what happens inside it, and kept if it is known better.
 //
 //   const auto source = open_source("slide.mp4", {.frame_rate_hz = 240});
 //   TrackOptions options;
@@ -40,12 +39,12 @@
 
 namespace tribotrack::vision {
 
-/// Several discs have an equal right to be the part: the user must say which it is.
+/// Several discs may be the part: the user must say which it is.
 class AmbiguousTarget : public InputError {
  public:
   AmbiguousTarget(const std::string& what, std::int64_t in_frame, bool at_the_start, std::vector<Circle> all)
       : InputError(what), frame(in_frame), first(at_the_start), discs(std::move(all)) {}
-  std::int64_t frame;         ///< the recording's own number: where all of them are seen
+  std::int64_t frame;         ///< the recording's own number: in which all of them are seen
   bool first;                 ///< it is the first analysed frame
   std::vector<Circle> discs;  ///< numbered from 1 in this order
 };
@@ -58,9 +57,9 @@ struct Target {
   Rect rectangle;
 };
 
-/// The mark fixed to the platform: a round one found or given, or its own texture, all of the ground that is
-/// seen, or a square tag. `find` falls back on texture. Automatic: the texture where the ground moves, else
-/// none.
+/// The mark fixed to the platform: a round one, found or given; a square tag; or the platform's own
+/// texture, all of its visible ground. `find` falls back on the texture. Automatic: the texture if the
+/// ground moves, else none.
 struct MarkerChoice {
   enum class Kind { automatic, none, find, circle, texture, tag } kind = Kind::automatic;
   Circle circle;
@@ -68,11 +67,11 @@ struct MarkerChoice {
   std::optional<int> id = {};   ///< empty: the only tag of that family in the picture
 };
 
-/// Throws std::invalid_argument naming the families of tags unless this is one.
+/// Throws std::invalid_argument, which names the families, unless this is a family of tags.
 void require_tag_family(const std::string& dictionary);
 
-/// Whether every frame is measured a second time over pictures learnt from the recording. Automatic and on:
-/// where the part is a disc whose rim is seen; kept where it does better than the first pass.
+/// Whether every frame is measured a second time with pictures learned from the recording. Automatic and
+/// on: if the part is a disc whose edge is seen; kept if it does better than the first pass.
 enum class Layers { automatic, off, on };
 
 /// A picture of one stage of the tracking, for debugging.
@@ -89,18 +88,11 @@ struct StagePicture {
   bool zero_centred = false;  ///< a difference: zero lies in the middle of the range
 };
 
-/// The same for a curve.
-struct StageCurve {
-  std::string name, title, x_label, y_label;
-  std::vector<Point> points;
-};
-
 /// Receives the pictures of the stages: DebugFolder (overlay.h) writes them as PNG files.
 class DebugSink {
  public:
   virtual ~DebugSink() = default;
   virtual void show(const StagePicture& picture) = 0;
-  virtual void show(const StageCurve& curve) = 0;
 };
 
 struct TrackOptions {
@@ -112,11 +104,11 @@ struct TrackOptions {
   std::int64_t frame_step = 1;  ///< every n-th frame from first_frame on
   double min_ncc = 0.6;         ///< matches with a lower correlation are rejected; 0 .. 1
   double max_lost_share = 0.1;  ///< of the frames: more lost ones and the track is not accepted; 0 .. 1
-  int search_margin_px = 0;     ///< half width of the search about the prediction; 0: chosen from the motion
+  int search_margin_px = 0;     ///< half width of the search around the prediction; 0: chosen from the motion
   Layers layers = Layers::automatic;
   /// Width of the disc's chamfer over its radius, where known; 0: its edge is sharp.
   std::optional<double> chamfer = {};
-  int threads = 1;  ///< at work on this recording; the result is the same for any number
+  int threads = 1;  ///< used on this recording; the result is the same for any number
   /// Frames of the work done and in all: the first of two passes counts for half.
   std::function<void(std::int64_t done, std::int64_t total)> progress;
   DebugSink* debug = nullptr;  ///< kept only during track()

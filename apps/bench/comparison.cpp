@@ -9,6 +9,8 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <unsupported/Eigen/NonLinearOptimization>
+#include <unsupported/Eigen/NumericalDiff>
 
 #include "apps/bench/fit.h"
 #include "apps/bench/peers.h"
@@ -22,20 +24,6 @@
 namespace tribotrack::bench {
 
 namespace {
-
-const ComparedRow* set_against(const ComparedRow& peer, const std::vector<ComparedRow>& rows) {
-  const ComparedRow *fastest = nullptr, *closest = nullptr;
-  for (const ComparedRow& row : rows) {
-    if (!row.ours || row.scene != peer.scene || row.group != peer.group || !row.arrived) continue;
-    if (!closest || row.error < closest->error) closest = &row;
-    if (row.error <= peer.error * (1 + kSameError) && (!fastest || row.time < fastest->time)) fastest = &row;
-  }
-  return fastest ? fastest : closest;
-}
-
-bool more_accurate(const ComparedRow& peer) {
-  return peer.error_over_ours < 1 - kSameError;
-}
 
 /// One method over the scenes of a group: in each its fastest row that reaches the target.
 struct InGroup {
@@ -92,31 +80,6 @@ std::string who_wins(const InGroup* own, const InGroup* peer, const Comparison& 
 
 }  // namespace
 
-void set_against_ours(Comparison& comparison) {
-  for (ComparedRow& row : comparison.rows)
-    if (const ComparedRow* own = !row.ours && row.arrived ? set_against(row, comparison.rows) : nullptr) {
-      row.error_over_ours = row.error / own->error;
-      row.time_over_ours = row.time / own->time;
-    }
-}
-
-bool peer_wins(const ComparedRow& row) {
-  return more_accurate(row) || row.time_over_ours < 1;
-}
-
-std::string verdict(const ComparedRow& row) {
-  if (row.ours) return "";
-  if (!row.arrived) return "does not arrive";
-  if (more_accurate(row))
-    return fmt::format("PEER WINS on error: x{:.2g} of our least, time x{:.2g}", row.error_over_ours,
-                       row.time_over_ours);
-  if (row.time_over_ours < 1)
-    return fmt::format("PEER WINS on time x{:.2f}, error x{:.2g}", 1 / row.time_over_ours,
-                       row.error_over_ours);
-  return row.time_over_ours >= 1 ? fmt::format("ours faster x{:.1f}", row.time_over_ours)
-                                 : "ours did not arrive";
-}
-
 std::string time_text(double seconds) {
   if (seconds < 1e-3) return fmt::format("{:.3g} us", 1e6 * seconds);
   return seconds < 1 ? fmt::format("{:.3g} ms", 1e3 * seconds) : fmt::format("{:.3g} s", seconds);
@@ -136,13 +99,8 @@ std::vector<SummaryLine> summary_of(const Comparison& comparison) {
                                   comparison.unit, method->method)
                     : "-";
     };
-    const auto of_group = [&](const ComparedRow& row) { return row.group == group && !row.ours; };
-    const auto wins = std::ranges::count_if(
-        comparison.rows, [&](const ComparedRow& row) { return of_group(row) && peer_wins(row); });
     lines.push_back({fmt::format("{}, {}: {}, {}", comparison.name, group, comparison.time, comparison.error),
-                     told(own), told(peer),
-                     fmt::format("{}; rows of others that win: {} of {}", who_wins(own, peer, comparison),
-                                 wins, std::ranges::count_if(comparison.rows, of_group))});
+                     told(own), told(peer), who_wins(own, peer, comparison)});
   }
   return lines;
 }
@@ -173,11 +131,11 @@ Vector2d end_by_ours(const model::Scenario& scenario) {
 }
 
 Vector2d end_by_dormand_prince(const model::Scenario& scenario) {
-  return dormand_prince(scenario, segmented_dormand_prince(scenario, 1e-8)).position;
+  return dormand_prince(scenario, 1e-8).position;
 }
 
 Vector2d end_by_recipe(const model::Scenario& scenario) {
-  return dormand_prince(scenario, paper_recipe()).position;
+  return paper_recipe(scenario).position;
 }
 
 /// In standard deviations, at z: the logarithms of mu1 and mu2, and the lag.
@@ -196,44 +154,39 @@ Eigen::VectorXd residuals_at(const Vector3d& z, const EndBySolver& end, const Pr
   return r;
 }
 
-/// What a researcher writes around a solver: a textbook Levenberg-Marquardt for three parameters with central
-/// differences of this step. Ends when a step changes no parameter by more than 1e-7 or chi-square by less
-/// than 1e-10 of it, without convergence after max_iterations or when no step helps.
-Fitting descent_by_differences(const EndBySolver& end, int max_iterations, double step = 1e-6) {
-  return [end, max_iterations, step](const Problem& problem) {
-    const auto residuals = [&](const Vector3d& z) { return residuals_at(z, end, problem); };
-    const auto jacobian = [&](const Vector3d& z) {
-      Eigen::MatrixX3d j(2 * static_cast<Eigen::Index>(problem.summary_runs.size()), 3);
-      for (Eigen::Index i = 0; i < 3; ++i) {
-        const Vector3d h = step * Vector3d::Unit(i);
-        j.col(i) = (residuals(z + h) - residuals(z - h)) / (2 * step);
-      }
-      return j;
-    };
-    Vector3d z(std::log(kFirstGuess.mu1), std::log(kFirstGuess.mu2), kFirstGuess.lag);
-    Eigen::VectorXd r = residuals(z);
-    Eigen::MatrixX3d j = jacobian(z);
-    double damping = 1e-3;
-    bool converged = false;
-    for (int k = 0; k < max_iterations && !converged && damping < 1e12; ++k) {
-      const Eigen::Matrix3d normal = j.transpose() * j;
-      Eigen::Matrix3d damped = normal;
-      damped.diagonal() += damping * normal.diagonal();
-      const Vector3d change = -damped.ldlt().solve(j.transpose() * r);
-      const Eigen::VectorXd trial = residuals(z + change);
-      const double before = r.squaredNorm(), after = trial.squaredNorm();
-      // A step this small that still does not help: the minimum, as far as these derivatives see it.
-      converged = change.cwiseAbs().maxCoeff() < 1e-7 || (after <= before && before - after <= 1e-10 * after);
-      damping *= after <= before ? 0.1 : 10;
-      if (!(after <= before)) continue;
-      z += change;
-      r = trial;
-      j = jacobian(z);
-    }
+/// Residuals as MINPACK takes them.
+struct Differenced {
+  using Scalar = double;
+  using InputType = Eigen::VectorXd;
+  using ValueType = Eigen::VectorXd;
+  using JacobianType = Eigen::MatrixXd;
+  enum { InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic };
+  const Problem* problem;
+  EndBySolver end;
+  int inputs() const { return 3; }
+  int values() const { return 2 * static_cast<int>(problem->summary_runs.size()); }
+  int operator()(const Eigen::VectorXd& z, Eigen::VectorXd& r) const {
+    r = residuals_at(z, end, *problem);
+    return 0;
+  }
+};
+
+/// What a researcher writes around a solver: MINPACK's Levenberg-Marquardt (Eigen's) for three parameters
+/// with central differences of this relative step. Ends when a step changes parameters by less than 1e-7 or
+/// chi-square by less than 1e-10 of it, without convergence after so many evaluations.
+Fitting descent_by_differences(const EndBySolver& end, int max_evaluations, double step = 1e-6) {
+  return [end, max_evaluations, step](const Problem& problem) {
+    Eigen::NumericalDiff<Differenced, Eigen::Central> differenced({&problem, end}, step * step);
+    Eigen::LevenbergMarquardt<decltype(differenced)> descent(differenced);
+    descent.parameters.xtol = 1e-7;
+    descent.parameters.ftol = 1e-10;
+    descent.parameters.maxfev = max_evaluations;
+    Eigen::VectorXd z(3);
+    z << std::log(kFirstGuess.mu1), std::log(kFirstGuess.mu2), kFirstGuess.lag;
+    const auto status = descent.minimize(z);
     Answer answer;
-    // Differences that are mostly noise can make J'J singular: an estimate without an interval is none.
-    const Eigen::Matrix3d covariance = (j.transpose() * j).inverse();
-    answer.converged = converged && covariance.diagonal().cwiseMax(0).cwiseSqrt().allFinite();
+    answer.converged = status >= Eigen::LevenbergMarquardtSpace::RelativeReductionTooSmall &&
+                       status <= Eigen::LevenbergMarquardtSpace::CosinusTooSmall;
     answer.estimate = {std::exp(z(0)), std::exp(z(1)), z(2)};
     return answer;
   };
@@ -265,13 +218,13 @@ struct Method {
 /// Ours first.
 std::vector<Method> methods_for(bool quick) {
   return {{"tribotrack", our_fit(quick ? 2 : FitOptions().multi_starts)},
-          {"one descent, differences through our solver", descent_by_differences(end_by_ours, 50)},
+          {"one descent, differences through our solver", descent_by_differences(end_by_ours, 400)},
           {"one descent, differences through segmented Dormand-Prince 1e-8",
-           descent_by_differences(end_by_dormand_prince, 50)},
+           descent_by_differences(end_by_dormand_prince, 400)},
           {"one descent, differences through the paper's recipe",
-           descent_by_differences(end_by_recipe, quick ? 4 : 15)},
+           descent_by_differences(end_by_recipe, quick ? 30 : 110)},
           {"the same with differences of 1 %, above its noise",
-           descent_by_differences(end_by_recipe, quick ? 4 : 40, 0.01)}};
+           descent_by_differences(end_by_recipe, quick ? 30 : 280, 0.01)}};
 }
 
 ComparedRow judge(const Method& method, const Method& ours, const std::vector<FitTruth>& truths) {

@@ -2,7 +2,6 @@
 // fits.
 #pragma once
 
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -26,10 +25,6 @@ struct ComparedRow {
   double error = 0;     ///< in the comparison's unit
   double time = 0;      ///< s, CPU time
   std::vector<Detail> details = {};
-  /// Of a peer that arrived: both against one and the same row of ours, the fastest with no larger error or,
-  /// where none is as accurate, the most accurate. NaN for all others.
-  double error_over_ours = std::numeric_limits<double>::quiet_NaN();
-  double time_over_ours = error_over_ours;
 
   double at(std::string_view name) const {
     for (const Detail& detail : details)
@@ -49,17 +44,6 @@ struct Comparison {
   double target = 0;
   std::vector<ComparedRow> rows = {};
 };
-
-/// Errors this close count as equal.
-inline constexpr double kSameError = 1e-3;
-
-/// Sets the peers' ratios.
-void set_against_ours(Comparison& comparison);
-
-/// Less error or less time than the row of ours it is set against.
-bool peer_wins(const ComparedRow& row);
-/// "PEER WINS ..." where it does; empty for our own rows.
-std::string verdict(const ComparedRow& row);
 
 /// A group of scenes in one line, medians over its scenes. Plain text.
 struct SummaryLine {

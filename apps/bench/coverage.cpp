@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
 #include <cmath>
 #include <mutex>
 #include <numbers>
@@ -93,21 +94,17 @@ Pulses random_pulses(int count, Dice& dice) {
 }
 
 Pulses pulses_of(Design design, Dice& dice) {
-  switch (design) {
-    case Design::three_runs:
-      return random_pulses(3, dice);
-    case Design::five_runs:
-      return random_pulses(5, dice);
-    case Design::eight_runs:
-      return random_pulses(8, dice);
-    case Design::repeats: {
-      const Pulses settings = random_pulses(4, dice);
-      Pulses pulses;
-      for (int again = 0; again < 3; ++again) pulses.insert(pulses.end(), settings.begin(), settings.end());
-      return pulses;
-    }
-    default:
-      break;
+  const int random = design == Design::three_runs   ? 3
+                     : design == Design::five_runs  ? 5
+                     : design == Design::eight_runs ? 8
+                     : design == Design::repeats    ? 4
+                                                    : 0;
+  if (random > 0) {
+    const Pulses settings = random_pulses(random, dice);
+    Pulses pulses = settings;
+    for (int again = 1; design == Design::repeats && again < 3; ++again)
+      pulses.insert(pulses.end(), settings.begin(), settings.end());
+    return pulses;
   }
   const double dtau = dice.uniform(0.6, 1.6), phi = dice.uniform(0, 2 * pi);
   Pulses pulses;
@@ -119,40 +116,10 @@ Pulses pulses_of(Design design, Dice& dice) {
 
 /// Displacement over the time of the run's own cycles, m/s.
 Vector2d independent_mean_velocity(const model::Scenario& scenario) {
-  DormandPrinceOptions options = segmented_dormand_prince(scenario, kFine);
-  options.max_steps = kMostSteps;
-  const PeerResult end = dormand_prince(scenario, options);
+  const PeerResult end = dormand_prince(scenario, kFine, kMostSteps);
   if (!end.finished) throw PeerHangs();
   return end.position / scenario.end_time();
 }
-
-/// alpha and v of one run, and their errors at the truth.
-struct Filmed {
-  model::Scenario truth;
-  Vector2d velocity;
-  double alpha_sd = 0, v_sd = 0;
-
-  Filmed(const model::Scenario& scenario, const Noise& noise)
-      : truth(scenario), velocity(independent_mean_velocity(scenario)) {
-    const double least = 1e-6 / scenario.end_time();  // a micrometre in all, where it hardly moves
-    v_sd = noise.v * velocity.norm() + least;
-    alpha_sd = noise.alpha + least / (velocity.norm() + least);
-  }
-  Displacement measured(double angular_frequency, Dice& dice) const {
-    // One after the other: compilers differ in which operand of a sum they evaluate first.
-    const double off_across = across_sd() * dice.normal();
-    const double off_along = v_sd * dice.normal();
-    const Vector2d seen = velocity + off_along * along() + off_across * across();
-    const double alpha = std::atan2(seen.y(), seen.x());
-    return displacement_from_alpha_v({alpha < 0 ? alpha + 2 * pi : alpha, alpha_sd}, {seen.norm(), v_sd},
-                                     angular_frequency, static_cast<int>(truth.cycles));
-  }
-
- private:
-  Vector2d along() const { return velocity.norm() > 0 ? velocity.normalized() : Vector2d::UnitX(); }
-  Vector2d across() const { return {-along().y(), along().x()}; }
-  double across_sd() const { return alpha_sd * std::max(velocity.norm(), v_sd); }
-};
 
 /// What whoever fits is told of the truth.
 model::Scenario without_friction(model::Scenario truth) {
@@ -161,13 +128,27 @@ model::Scenario without_friction(model::Scenario truth) {
   return truth;
 }
 
-SummaryRun run_of(const Filmed& filmed, model::Scenario given, int number, Dice& dice) {
+/// alpha and v of one run with their errors at the truth, under the conditions given.
+SummaryRun filmed(const model::Scenario& truth, const model::Scenario& given, const Noise& noise,
+                  std::size_t number, Dice& dice) {
+  const Vector2d velocity = independent_mean_velocity(truth);
+  const double speed = velocity.norm(),
+               least = 1e-6 / truth.end_time();  // a micrometre in all, where it hardly moves
+  const double v_sd = noise.v * speed + least, alpha_sd = noise.alpha + least / (speed + least);
+  const Vector2d along = speed > 0 ? velocity.normalized() : Vector2d::UnitX(), across(-along.y(), along.x());
+  // One after the other: compilers differ in which operand of a sum they evaluate first.
+  const double off_across = alpha_sd * std::max(speed, v_sd) * dice.normal();
+  const double off_along = v_sd * dice.normal();
+  const Vector2d seen = velocity + off_along * along + off_across * across;
+  const double alpha = std::atan2(seen.y(), seen.x());
   SummaryRun run;
   run.name = "run" + std::to_string(number);
-  given.friction.phase = filmed.truth.friction.phase;
-  given.friction.pulse_width = filmed.truth.friction.pulse_width;
   run.scenario = given;
-  run.measured = filmed.measured(given.drive.angular_frequency, dice);
+  run.scenario.friction.phase = truth.friction.phase;
+  run.scenario.friction.pulse_width = truth.friction.pulse_width;
+  run.measured =
+      displacement_from_alpha_v({alpha < 0 ? alpha + 2 * pi : alpha, alpha_sd}, {seen.norm(), v_sd},
+                                given.drive.angular_frequency, static_cast<int>(truth.cycles));
   return run;
 }
 
@@ -194,8 +175,7 @@ CoverageCampaign film(Design design, NoiseLevel level, const model::Scenario& tr
     model::Scenario scenario = truth;
     scenario.friction.phase = phi;
     scenario.friction.pulse_width = dtau;
-    problem.summary_runs.push_back(
-        run_of(Filmed(scenario, noise), given, static_cast<int>(problem.summary_runs.size()) + 1, dice));
+    problem.summary_runs.push_back(filmed(scenario, given, noise, problem.summary_runs.size() + 1, dice));
   }
   return campaign;
 }
@@ -288,26 +268,6 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// P(X <= k) for X binomial.
-double binomial_cdf(int k, int n, double p) {
-  double sum = 0;
-  for (int i = 0; i <= k; ++i)
-    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0) + i * std::log(p) +
-                    (n - i) * std::log1p(-p));
-  return sum;
-}
-
-/// p in (0, 1) where a falling function of it crosses `level`.
-template <class Function>
-double where_it_falls_to(double level, const Function& f) {
-  double low = 0, high = 1;
-  for (int k = 0; k < 60; ++k) {
-    const double middle = (low + high) / 2;
-    (f(middle) > level ? low : high) = middle;
-  }
-  return (low + high) / 2;
-}
-
 bool is_open(const std::vector<Interval>& pieces, bool turns) {
   double width = 0;
   for (const Interval& piece : pieces) width += piece.high - piece.low;
@@ -343,9 +303,9 @@ std::vector<CoverageRow> judge(Design design, NoiseLevel level, const CoverageCa
 }  // namespace
 
 Interval binomial_ci95(int hits, int trials) {
-  return {
-      hits > 0 ? where_it_falls_to(0.975, [&](double p) { return binomial_cdf(hits - 1, trials, p); }) : 0,
-      hits < trials ? where_it_falls_to(0.025, [&](double p) { return binomial_cdf(hits, trials, p); }) : 1};
+  using Binomial = boost::math::binomial_distribution<>;
+  return {Binomial::find_lower_bound_on_p(trials, hits, 0.025),
+          Binomial::find_upper_bound_on_p(trials, hits, 0.025)};
 }
 
 Interval CoverageRow::share_ci95() const {

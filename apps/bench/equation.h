@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
 
 #include "apps/bench/peers.h"
@@ -31,7 +32,11 @@ class PlainEquation {
         m2_(T(s.friction.reduced) * T(s.drive.gravity)),
         opens_(T(s.friction.phase) + T(s.friction.lag)),
         width_(s.friction.pulse_width),
-        end_(s.duration > 0 ? T(s.duration) : T(s.cycles) * turn() / w_) {}
+        end_(s.duration > 0 ? T(s.duration) : T(s.cycles) * turn() / w_) {
+    s.validate();
+    if (s.start != model::Start::rest)
+      throw std::invalid_argument("the peers integrate from rest or an initial velocity only");
+  }
 
   T end() const { return end_; }
   T frequency() const { return w_; }

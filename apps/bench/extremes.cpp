@@ -121,246 +121,148 @@ ExtremeLaw stays_on_line(double slope) {
           }};
 }
 
-/// What the cases start from, and where they go.
-struct ExtremeList {
-  struct Regime {
-    std::string name;
-    Scenario base;
-  };
-  bool quick = false;
-  Regime slip, stick;
-  std::vector<ExtremeCase> cases = {};
+template <class Change>
+Scenario with(Scenario s, Change change) {
+  change(s);
+  return s;
+}
 
-  explicit ExtremeList(bool only_quick) : quick(only_quick) {
-    slip.name = "slips";
-    slip.base.friction = {0.1, 0.0125, 0.5, pi / 2, 0};
-    slip.base.cycles = quick ? 2 : 20;
-    stick = slip;
-    stick.name = "sticks";
-    stick.base.friction = {0.122, 0.122 / 8, 0.5, pi / 6, 0};
-  }
-  void add(std::string name, const Scenario& scenario, ExtremeLaw law) {
+struct ExtremeList {
+  bool quick;
+  std::vector<ExtremeCase> cases = {};
+  void add(std::string name, const Scenario& scenario, ExtremeLaw law = scaling_law()) {
     cases.push_back({std::move(name), scenario, std::move(law)});
-  }
-  /// For both regimes: `make(base)` changes a copy of the base, `law(base, scenario)` says what must hold.
-  template <class Make, class Law>
-  void add_both(const std::string& name, Make make, Law law) {
-    for (const Regime* regime : {&slip, &stick}) {
-      Scenario scenario = regime->base;
-      make(scenario);
-      add(name + ", " + regime->name, scenario, law(regime->base, scenario));
-    }
   }
 };
 
-/// Other amplitudes and frequencies, with friction that follows the drive (both regimes) and with the
-/// ordinary friction.
-void add_scales(ExtremeList& list) {
-  struct Scale {
-    const char* name;
-    double amplitude, angular_frequency;
-  };
-  const Drive& usual = list.slip.base.drive;
-  for (const Scale& scale :
-       {Scale{"w = 1e-3 rad/s", usual.amplitude, 1e-3}, Scale{"w = 1e5 rad/s", usual.amplitude, 1e5},
-        Scale{"A = 1 nm", 1e-9, usual.angular_frequency}, Scale{"A = 1 m", 1, usual.angular_frequency}}) {
-    const auto rescale = [&](Scenario& s) {
-      s.drive.amplitude = s.drive.amplitude_y = scale.amplitude;
-      s.drive.angular_frequency = scale.angular_frequency;
-    };
-    list.add_both(
-        scale.name,
-        [&](Scenario& s) {
-          const double before = drive_strength(s);
-          rescale(s);
-          s.friction.nominal *= drive_strength(s) / before;
-          s.friction.reduced *= drive_strength(s) / before;
-        },
-        [](const Scenario&, const Scenario&) { return scaling_law(); });
-    Scenario fixed = list.slip.base;
-    rescale(fixed);
-    const bool held = drive_strength(fixed) < fixed.friction.reduced * fixed.drive.gravity;
-    list.add(std::string(scale.name) + ", mu1 = 0.1", fixed, held ? never_moves() : scaling_law());
-  }
-}
-
-void add_ellipses(ExtremeList& list) {
-  const auto add = [&](const std::string& name, double epsilon, auto law) {
-    list.add_both(
-        name, [&](Scenario& s) { s.drive.phase_shift = epsilon; },
-        [&](const Scenario& base, const Scenario& s) { return law(base, s); });
-  };
-  const auto on_line = [](double slope) {
-    return [slope](const Scenario&, const Scenario&) { return stays_on_line(slope); };
-  };
-  const auto as_at = [](const char* text, double epsilon, double allowed) {
-    return [=](const Scenario&, const Scenario& s) {
-      Scenario other = s;
-      other.drive.phase_shift = epsilon;
-      return same_as(text, other, allowed);
-    };
-  };
-  add("epsilon = 0", 0, on_line(1));
-  add("epsilon = pi", pi, on_line(-1));
-  add("epsilon = 1e-8", 1e-8, as_at("as at 0", 0, 1e-6));
-  add("epsilon = pi/2 + 1e-12", pi / 2 + 1e-12, as_at("as at pi/2", pi / 2, 1e-10));
-  add("epsilon = pi/2 - 1e-12", pi / 2 - 1e-12, as_at("as at pi/2", pi / 2, 1e-10));
-  // Counter-clockwise is the mirror image of cos(wt + pi/2).
-  add("epsilon = -pi/2", -pi / 2, [](const Scenario& base, const Scenario&) {
-    const Vector2d end = end_of(base);
-    return ends_at("mirror image of pi/2", {end.x(), -end.y()});
+/// Other amplitudes and frequencies; friction that follows the drive, or stays as it is.
+Scenario rescaled(const Scenario& base, double amplitude, double angular_frequency, bool friction_follows) {
+  return with(base, [&](Scenario& s) {
+    s.drive.amplitude = s.drive.amplitude_y = amplitude;
+    s.drive.angular_frequency = angular_frequency;
+    const double factor = friction_follows ? drive_strength(s) / drive_strength(base) : 1;
+    s.friction.nominal *= factor;
+    s.friction.reduced *= factor;
   });
 }
 
-/// Tilted so that the drive grows smoothly through friction once a cycle: by ever less.
-void add_smooth_take_offs(ExtremeList& list) {
-  for (const double tilt : {0.03, 0.0078, 0.00744}) {
-    Scenario s = list.stick.base;
-    s.friction.nominal = 0.12;
-    s.friction.pulse_width = 0;
-    s.drive.tilt_x = tilt;
-    list.add("takes off smoothly, tilt " + number(tilt), s, scaling_law());
+/// What exists for a part that slips and for one that sticks.
+void add_of_regime(ExtremeList& list, const Scenario& base, const std::string& regime) {
+  const auto add = [&](const std::string& name, const Scenario& s, const ExtremeLaw& law = scaling_law()) {
+    list.add(name + ", " + regime, s, law);
+  };
+  const auto with_phase = [&](double phi) {
+    return with(base, [=](Scenario& s) { s.friction.phase = phi; });
+  };
+  const auto with_epsilon = [&](double e) {
+    return with(base, [=](Scenario& s) { s.drive.phase_shift = e; });
+  };
+  const auto pulsed = [&](double phi, double dtau) {
+    return with(with_phase(phi), [=](Scenario& s) { s.friction.pulse_width = dtau; });
+  };
+
+  add("mu2 = 0", with(base, [](Scenario& s) { s.friction.reduced = 0; }));
+  add("mu1 = mu2", with(base, [](Scenario& s) { s.friction.reduced = s.friction.nominal; }),
+      same_as("as without pulses", pulsed(base.friction.phase, 0), 1e-11));
+  add("mu1/mu2 = 1e6", with(base, [](Scenario& s) { s.friction.reduced = 1e-6 * s.friction.nominal; }));
+
+  // Widths at which the edges meet, and next to them: with phi + lag = 0 they meet on the cycle's boundary.
+  for (const auto& [where, phi] : {std::pair("", 0.5), {", phi + lag = 0", 0.0}}) {
+    const auto width = [&, at = where](const char* text) { return std::string("dtau = ") + text + at; };
+    const Scenario never = with(pulsed(phi, 0), [](Scenario&s) { s.friction.reduced = s.friction.nominal; }),
+                   always = with(pulsed(phi, 0), [](Scenario&s) { s.friction.nominal = s.friction.reduced; });
+    add(width("0"), pulsed(phi, 0), same_as("as at constant mu1", never, 1e-11));
+    add(width("1e-9"), pulsed(phi, 1e-9), same_as("as at constant mu1", never, 1e-7));
+    add(width("2 pi"), pulsed(phi, 2 * pi), same_as("as at constant mu2", always, 1e-11));
+    add(width("2 pi - 1e-9"), pulsed(phi, 2 * pi - 1e-9), same_as("as at constant mu2", always, 1e-7));
   }
-}
 
-void add_tilts(ExtremeList& list) {
+  // Opening edge just before, on and just after the start; closing edge just before, on and after the end.
+  const double closes = 2 * pi - base.friction.pulse_width;
+  add("phi = 0", with_phase(0));
+  add("closes on the cycle's end", with_phase(closes));
+  add("phi = -lag", with(with_phase(0.7), [](Scenario& s) { s.friction.lag = -0.7; }),
+      same_as("as at phi = lag = 0", with_phase(0), 1e-11));
+  for (const double offset : {-1e-9, -1e-15, 1e-15, 1e-9}) {
+    const double allowed = 100 * std::fabs(offset) + 1e-11;
+    add("opens " + number(offset) + " rad from the start", with_phase(offset),
+        same_as("as on the start, times 100 offsets", with_phase(0), allowed));
+    add("closes " + number(offset) + " rad from the cycle's end", with_phase(closes + offset),
+        same_as("as on the end, times 100 offsets", with_phase(closes), allowed));
+  }
+  add("phi = 2 pi", with_phase(2 * pi), same_as("as at phi = 0", with_phase(0), 1e-11));
+  add("phi = -37.5", with_phase(-37.5), same_as("as at phi + 12 pi", with_phase(-37.5 + 12 * pi), 1e-11));
+  // Doubles near 1e6 are 1e-10 apart, but 1e6 itself is one of them: only the remainder here is rounded.
+  add("phi = 1e6", with_phase(1e6), same_as("as at phi mod 2 pi", with_phase(1e6 - 159154 * (2 * pi)), 1e-8));
+
+  add("epsilon = 0", with_epsilon(0), stays_on_line(1));
+  add("epsilon = pi", with_epsilon(pi), stays_on_line(-1));
+  add("epsilon = 1e-8", with_epsilon(1e-8), same_as("as at 0", with_epsilon(0), 1e-6));
+  for (const double offset : {1e-12, -1e-12})
+    add(std::string("epsilon = pi/2 ") + (offset > 0 ? "+" : "-") + " 1e-12", with_epsilon(pi / 2 + offset),
+        same_as("as at pi/2", base, 1e-10));
+  // Counter-clockwise is the mirror image of cos(wt + pi/2).
+  const Vector2d end = end_of(base);
+  add("epsilon = -pi/2", with_epsilon(-pi / 2), ends_at("mirror image of pi/2", {end.x(), -end.y()}));
+
+  const double a = base.drive.amplitude, w = base.drive.angular_frequency;
+  add("w = 1e-3 rad/s", rescaled(base, a, 1e-3, true));
+  add("w = 1e5 rad/s", rescaled(base, a, 1e5, true));
+  add("A = 1 nm", rescaled(base, 1e-9, w, true));
+  add("A = 1 m", rescaled(base, 1, w, true));
   for (const double offset : {1e-6, 1e-9})
-    for (const double side : {-1.0, 1.0}) {
-      const std::string where = number(offset) + (side < 0 ? " below sliding" : " above sliding");
-      // At rest on a tilted platform.
-      Scenario s = list.slip.base;
-      const double g = s.drive.gravity;
-      s.drive.amplitude = s.drive.amplitude_y = 0;
-      s.friction.pulse_width = 0;
-      s.drive.tilt_x = std::asin(s.friction.nominal * (1 + side * offset));
-      s.duration = 2;
-      const double left = g * std::sin(s.drive.tilt_x) - s.friction.nominal * g;
-      if (side < 0)
-        list.add("A = 0, tilt " + where, s, never_moves());
-      else  // the difference of two nearly equal numbers: good to epsilon / offset
-        list.add("A = 0, tilt " + where, s,
-                 ends_at("slides (g sin tilt - mu g) t^2/2", {0.5 * left * s.duration * s.duration, 0},
-                         1e-15 / offset));
-      // On a shaken one: where drive and tilt add up to friction, and where the tilt alone does.
-      s = list.stick.base;
-      s.friction.pulse_width = 0;
-      const double a = drive_strength(s), m = s.friction.nominal * g;
-      s.drive.tilt_x = std::asin((m * (1 + side * offset) - a) / g);
-      const double surplus = a + g * std::sin(s.drive.tilt_x) - m;
-      list.add("drive + tilt " + where, s, side < 0 ? never_moves() : creeps_at_most(surplus));
-      for (const auto* regime : {&list.slip, &list.stick}) {
-        s = regime->base;
-        s.drive.tilt_y = std::asin(s.friction.nominal * (1 + side * offset));
-        list.add("shaken, tilt " + where + ", " + regime->name, s, scaling_law());
-      }
-    }
-}
+    for (const double side : {-1.0, 1.0})
+      add("shaken, tilt " + number(offset) + (side < 0 ? " below sliding" : " above sliding"),
+          with(base,
+               [&](Scenario& s) { s.drive.tilt_y = std::asin(s.friction.nominal * (1 + side * offset)); }));
 
-void add_drive_extremes(ExtremeList& list) {
-  add_ellipses(list);
-  add_scales(list);
-  add_smooth_take_offs(list);
-  add_tilts(list);
-}
-
-void add_start_extremes(ExtremeList& list) {
   // A drive along a line, the velocity against it and slightly beside it: u misses 0 by about `miss`.
-  for (const double miss : {1e-3, 1e-8, 1e-14})
-    for (const double side : {1.0, -1.0}) {
-      const auto start = [](double beside) {
-        return [beside](Scenario& s) {
-          const Vector2d along = Vector2d(1, 1).normalized(), across = Vector2d(-1, 1).normalized();
-          const double speed = s.drive.amplitude * s.drive.angular_frequency;
-          s.drive.phase_shift = 0;
-          s.initial_velocity = speed * (-0.3 * along + beside * across);
-        };
-      };
-      list.add_both("u misses 0 by " + number(side * miss) + " of A w", start(side * miss),
-                    [&](const Scenario& base, const Scenario&) {
-                      Scenario through = base;
-                      start(0)(through);
-                      return never_separates_from(through);
-                    });
-    }
-  list.add_both(
-      "initial speed 1e-300 m/s",
-      [](Scenario& s) {
-        s.initial_velocity = {1e-300, 0};
-      },
-      [](const Scenario& base, const Scenario&) { return same_as("as from rest", base, 1e-11); });
+  const auto against = [&](double beside) {
+    return with(base, [&](Scenario& s) {
+      s.drive.phase_shift = 0;
+      s.initial_velocity = a * w * Vector2d(Vector2d(-0.3 - beside, -0.3 + beside) / std::sqrt(2.0));
+    });
+  };
+  const auto thrown = [&](double ux, double uy) {
+    return with(base, [=](Scenario& s) { s.initial_velocity = {ux, uy}; });
+  };
+  for (const double miss : {1e-3, -1e-3, 1e-8, -1e-8, 1e-14, -1e-14})
+    add("u misses 0 by " + number(miss) + " of A w", against(miss), never_separates_from(against(0)));
+  add("initial speed 1e-300 m/s", thrown(1e-300, 0), same_as("as from rest", base, 1e-11));
   for (const double speed : {1e-17, 1e-8})
-    list.add_both(
-        "initial speed " + number(speed) + " m/s",
-        [speed](Scenario& s) {
-          s.initial_velocity = {speed, speed / 3};
-        },
-        [](const Scenario& base, const Scenario&) { return never_separates_from(base); });
-  list.add_both(
-      "initial speed 1e3 m/s",
-      [](Scenario& s) {
-        s.initial_velocity = {1e3, 0};
-      },
-      [](const Scenario&, const Scenario&) { return scaling_law(); });
-  Scenario slide = list.slip.base;
-  slide.drive.amplitude = slide.drive.amplitude_y = 0;
-  slide.friction.pulse_width = 0;
-  slide.initial_velocity = {0.3, 0.4};
-  slide.duration = 2;
-  const double path = 0.25 / (2 * slide.friction.nominal * slide.drive.gravity);  // u^2 / (2 mu g) along u
-  list.add("A = 0, free slide to its stop", slide,
-           ends_at("stops after u^2/(2 mu g)", {0.6 * path, 0.8 * path}));
+    add("initial speed " + number(speed) + " m/s", thrown(speed, speed / 3), never_separates_from(base));
+  add("initial speed 1e3 m/s", thrown(1e3, 0));
   // How rounding grows with the number of cycles is in the violations of these.
   for (const double cycles : list.quick ? std::vector<double>{100} : std::vector<double>{1e2, 1e4, 1e6})
-    list.add_both(
-        number(cycles) + " cycles", [&](Scenario& s) { s.cycles = cycles; },
-        [](const Scenario&, const Scenario&) { return last_half_adds_drifts(); });
+    add(number(cycles) + " cycles", with(base, [&](Scenario& s) { s.cycles = cycles; }),
+        last_half_adds_drifts());
 }
 
-Scenario with_mu(Scenario s, double mu1, double mu2) {
-  s.friction.nominal = mu1;
-  s.friction.reduced = mu2;
-  return s;
-}
-
-Scenario without_pulses(Scenario s) {
-  s.friction.pulse_width = 0;
-  return s;
-}
-
-void add_friction_extremes(ExtremeList& list) {
-  const auto scaling = [](const Scenario&, const Scenario&) { return scaling_law(); };
-  const auto as_constant = [](const Scenario&, const Scenario& s) {
-    return same_as("as without pulses", without_pulses(s), 1e-11);
+/// mu1 against the drive a = A w^2, and next to the values at which the part begins to stick and to stay.
+void add_thresholds(ExtremeList& list, const Scenario& base) {
+  const double a = drive_strength(base), g = base.drive.gravity, threshold = a / g;
+  const auto friction = [&](double mu1, double mu2) {
+    return with(base, [=](Scenario& s) {
+      s.friction.nominal = mu1;
+      s.friction.reduced = mu2;
+    });
   };
-  list.add_both(
-      "mu2 = 0", [](Scenario& s) { s.friction.reduced = 0; }, scaling);
-  list.add_both(
-      "mu1 = mu2", [](Scenario& s) { s.friction.reduced = s.friction.nominal; }, as_constant);
-  list.add_both(
-      "mu1/mu2 = 1e6", [](Scenario& s) { s.friction.reduced = 1e-6 * s.friction.nominal; }, scaling);
-
-  const Scenario& base = list.slip.base;
-  const double threshold = drive_strength(base) / base.drive.gravity;
-  list.add("mu1 = 0, mu2 > 0", with_mu(base, 0, 0.0125), scaling_law());
-  list.add("mu1 = 0, mu2 sticks", with_mu(base, 0, 2 * threshold), scaling_law());
-  list.add("mu1 = mu2 = 0", with_mu(base, 0, 0),
+  const auto pulsed = [&](double mu1) { return friction(mu1, threshold / 8); };
+  const auto constant = [&](double mu1) {
+    return with(friction(mu1, mu1), [](Scenario& s) { s.friction.pulse_width = 0; });
+  };
+  list.add("mu1 = 0, mu2 > 0", friction(0, 0.0125));
+  list.add("mu1 = 0, mu2 sticks", friction(0, 2 * threshold));
+  list.add("mu1 = mu2 = 0", friction(0, 0),
            ends_at("drifts by -A w t in y",
                    {0, -base.drive.amplitude * base.drive.angular_frequency * base.end_time()}));
-  list.add("a/(mu1 g) = 1e-3, held", with_mu(base, 1e3 * threshold, 125 * threshold), never_moves());
-  list.add("a/(mu1 g) = 1e-3, sticks", with_mu(base, 1e3 * threshold, 0.0125), scaling_law());
-  list.add("a/(mu1 g) = 1e4", with_mu(base, 1e-4 * threshold, 1.25e-5 * threshold), scaling_law());
-  list.add("mu1 g = 100 a", with_mu(base, 100 * threshold, 0.0125), scaling_law());
-}
-
-void add_threshold_extremes(ExtremeList& list) {
-  const Scenario& base = list.slip.base;
-  const double a = drive_strength(base), g = base.drive.gravity, threshold = a / g;
-  const auto pulsed = [&](double mu1) { return with_mu(base, mu1, threshold / 8); };
-  const auto constant = [&](double mu1) { return without_pulses(with_mu(base, mu1, mu1)); };
-
-  list.add("a = mu1 g", pulsed(threshold), scaling_law());
+  list.add("a/(mu1 g) = 1e-3, held", friction(1e3 * threshold, 125 * threshold), never_moves());
+  list.add("a/(mu1 g) = 1e-3, sticks", friction(1e3 * threshold, 0.0125));
+  list.add("a/(mu1 g) = 1e4", friction(1e-4 * threshold, 1.25e-5 * threshold));
+  list.add("mu1 g = 100 a", friction(100 * threshold, 0.0125));
+  list.add("a = mu1 g", pulsed(threshold));
   list.add("a = mu1 g, no pulses", constant(threshold), never_moves());
-  list.add("mu1 g = 2 a", pulsed(2 * threshold), scaling_law());
+  list.add("mu1 g = 2 a", pulsed(2 * threshold));
   for (const double offset : {1e-3, 1e-6, 1e-9, 1e-12})
     for (const double side : {1.0, -1.0}) {
       const std::string sign = side > 0 ? "+ " : "- ";
@@ -375,89 +277,66 @@ void add_threshold_extremes(ExtremeList& list) {
     }
 }
 
-Scenario with_pulse(Scenario s, double phi, double dtau) {
-  s.friction.phase = phi;
-  s.friction.pulse_width = dtau;
-  return s;
-}
-
-/// Widths at which the edges meet, and next to them: with phi + lag = 0 they meet on the cycle's boundary.
-void add_widths(ExtremeList& list, const std::string& where, double phi) {
-  for (const ExtremeList::Regime* regime : {&list.slip, &list.stick}) {
-    const auto name = [&](const char* width) {
-      return std::string("dtau = ") + width + where + ", " + regime->name;
-    };
-    const Scenario none = with_pulse(regime->base, phi, 0);
-    Scenario never = none, always = none;
-    never.friction.reduced = never.friction.nominal;
-    always.friction.nominal = always.friction.reduced;
-    list.add(name("0"), none, same_as("as at constant mu1", never, 1e-11));
-    list.add(name("1e-9"), with_pulse(none, phi, 1e-9), same_as("as at constant mu1", never, 1e-7));
-    list.add(name("2 pi"), with_pulse(none, phi, 2 * pi), same_as("as at constant mu2", always, 1e-11));
-    list.add(name("2 pi - 1e-9"), with_pulse(none, phi, 2 * pi - 1e-9),
-             same_as("as at constant mu2", always, 1e-7));
-  }
-}
-
-/// Opening edge just before, on and just after the start; closing edge just before, on and after the end.
-void add_boundaries(ExtremeList& list) {
-  for (const ExtremeList::Regime* regime : {&list.slip, &list.stick}) {
-    const double width = regime->base.friction.pulse_width;
-    const Scenario opens = with_pulse(regime->base, 0, width),
-                   closes = with_pulse(regime->base, 2 * pi - width, width);
-    list.add("closes on the cycle's end, " + regime->name, closes, scaling_law());
-    Scenario split = opens;
-    split.friction.phase = 0.7;
-    split.friction.lag = -0.7;
-    list.add("phi = -lag, " + regime->name, split, same_as("as at phi = lag = 0", opens, 1e-11));
-    for (const double offset : {-1e-9, -1e-15, 1e-15, 1e-9}) {
-      const double allowed = 100 * std::fabs(offset) + 1e-11;
-      Scenario moved = opens;
-      moved.friction.phase = offset;
-      list.add("opens " + number(offset) + " rad from the start, " + regime->name, moved,
-               same_as("as on the start, times 100 offsets", opens, allowed));
-      moved = closes;
-      moved.friction.phase += offset;
-      list.add("closes " + number(offset) + " rad from the cycle's end, " + regime->name, moved,
-               same_as("as on the end, times 100 offsets", closes, allowed));
+/// Scales that friction does not follow, tilts at which a resting part begins to slide, a free slide.
+void add_drives(ExtremeList& list, const Scenario& slips, const Scenario& sticks) {
+  const double a = slips.drive.amplitude, w = slips.drive.angular_frequency, g = slips.drive.gravity;
+  list.add("w = 1e-3 rad/s, mu1 = 0.1", rescaled(slips, a, 1e-3, false), never_moves());
+  list.add("w = 1e5 rad/s, mu1 = 0.1", rescaled(slips, a, 1e5, false));
+  list.add("A = 1 nm, mu1 = 0.1", rescaled(slips, 1e-9, w, false), never_moves());
+  list.add("A = 1 m, mu1 = 0.1", rescaled(slips, 1, w, false));
+  const Scenario constant = with(sticks, [](Scenario& s) { s.friction.pulse_width = 0; });
+  // The drive grows smoothly through friction once a cycle: by ever less.
+  for (const double tilt : {0.03, 0.0078, 0.00744})
+    list.add("takes off smoothly, tilt " + number(tilt), with(constant, [&](Scenario& s) {
+               s.friction.nominal = 0.12;
+               s.drive.tilt_x = tilt;
+             }));
+  const Scenario resting = with(slips, [](Scenario& s) {
+    s.drive.amplitude = s.drive.amplitude_y = 0;
+    s.friction.pulse_width = 0;
+    s.duration = 2;
+  });
+  for (const double offset : {1e-6, 1e-9})
+    for (const double side : {-1.0, 1.0}) {
+      const std::string where = number(offset) + (side < 0 ? " below sliding" : " above sliding");
+      Scenario s = resting;
+      s.drive.tilt_x = std::asin(s.friction.nominal * (1 + side * offset));
+      const double left = g * std::sin(s.drive.tilt_x) - s.friction.nominal * g;
+      // The difference of two nearly equal numbers: good to epsilon / offset.
+      list.add("A = 0, tilt " + where, s,
+               side < 0 ? never_moves()
+                        : ends_at("slides (g sin tilt - mu g) t^2/2",
+                                  {0.5 * left * s.duration * s.duration, 0}, 1e-15 / offset));
+      // On a shaken platform: where drive and tilt add up to friction.
+      s = constant;
+      const double strength = drive_strength(s), m = s.friction.nominal * g;
+      s.drive.tilt_x = std::asin((m * (1 + side * offset) - strength) / g);
+      list.add("drive + tilt " + where, s,
+               side < 0 ? never_moves() : creeps_at_most(strength + g * std::sin(s.drive.tilt_x) - m));
     }
-  }
-}
-
-void add_pulse_extremes(ExtremeList& list) {
-  add_widths(list, "", 0.5);
-  add_widths(list, ", phi + lag = 0", 0);
-  add_boundaries(list);
-  const auto at_phase = [&](const std::string& name, double phi, const std::string& text, double same_phi,
-                            double allowed) {
-    list.add_both(
-        name, [&](Scenario& s) { s.friction.phase = phi; },
-        [&](const Scenario&, const Scenario& s) {
-          Scenario other = s;
-          other.friction.phase = same_phi;
-          return same_as(text, other, allowed);
-        });
-  };
-  list.add_both(
-      "phi = 0", [](Scenario& s) { s.friction.phase = 0; },
-      [](const Scenario&, const Scenario&) { return scaling_law(); });
-  at_phase("phi = 2 pi", 2 * pi, "as at phi = 0", 0, 1e-11);
-  at_phase("phi = -37.5", -37.5, "as at phi + 12 pi", -37.5 + 12 * pi, 1e-11);
-  // Doubles near 1e6 are 1e-10 apart, but 1e6 itself is one of them: only the remainder here is rounded.
-  at_phase("phi = 1e6", 1e6, "as at phi mod 2 pi", 1e6 - 159154 * (2 * pi), 1e-8);
+  const double path = 0.25 / (2 * resting.friction.nominal * g);  // u^2 / (2 mu g) along u
+  list.add("A = 0, free slide to its stop",
+           with(resting,
+                [](Scenario& s) {
+                  s.initial_velocity = {0.3, 0.4};
+                }),
+           ends_at("stops after u^2/(2 mu g)", {0.6 * path, 0.8 * path}));
 }
 
 }  // namespace
 
 std::vector<ExtremeCase> extreme_cases(bool quick) {
-  ExtremeList list(quick);
-  list.add("ordinary", list.slip.base, scaling_law());
-  list.add("ordinary, sticks", list.stick.base, scaling_law());
-  add_friction_extremes(list);
-  add_threshold_extremes(list);
-  add_pulse_extremes(list);
-  add_drive_extremes(list);
-  add_start_extremes(list);
+  Scenario slips;
+  slips.friction = {0.1, 0.0125, 0.5, pi / 2, 0};
+  slips.cycles = quick ? 2 : 20;
+  const Scenario sticks = with(slips, [](Scenario& s) { s.friction = {0.122, 0.122 / 8, 0.5, pi / 6, 0}; });
+  ExtremeList list{quick};
+  list.add("ordinary", slips);
+  list.add("ordinary, sticks", sticks);
+  add_of_regime(list, slips, "slips");
+  add_of_regime(list, sticks, "sticks");
+  add_thresholds(list, slips);
+  add_drives(list, slips, sticks);
   return std::move(list.cases);
 }
 

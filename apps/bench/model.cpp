@@ -74,12 +74,8 @@ Method ours(double tolerance) {
 }
 
 Method recipe(double tolerance, double max_step) {
-  DormandPrinceOptions options = paper_recipe();
-  options.relative_tolerance = options.position_tolerance = options.velocity_tolerance = tolerance;
-  options.max_step = max_step;
-  options.max_steps = kPatience;
   return {"paper's recipe", fmt::format("tolerance {:g}, steps up to {:g} s", tolerance, max_step),
-          [options](const Scenario& s) { return dormand_prince(s, options); }};
+          [=](const Scenario& s) { return paper_recipe(s, tolerance, max_step, kPatience); }};
 }
 
 std::vector<Method> methods_for(const Scene& scene, const ModelBenchOptions& options) {
@@ -96,13 +92,7 @@ std::vector<Method> methods_for(const Scene& scene, const ModelBenchOptions& opt
   for (const double tolerance : tight) methods.push_back(ours(tolerance));
   for (const auto& [tolerance, step] : {std::pair(1e-6, 1e-4), {1e-6, 3e-4}, {1e-9, 1e-4}})
     if (!quick || tolerance > 1e-9) methods.push_back(recipe(tolerance, step));
-  std::vector<BenchPeer> peers = options.peers;
-  peers.push_back({"Dormand-Prince, segmented", [](const Scenario& s, double tolerance, long max_steps) {
-                     DormandPrinceOptions how = segmented_dormand_prince(s, tolerance);
-                     how.max_steps = max_steps;
-                     return dormand_prince(s, how);
-                   }});
-  for (const BenchPeer& peer : peers)
+  for (const BenchPeer& peer : options.peers)
     for (const double tolerance : tolerances)
       methods.push_back(
           {peer.name, fmt::format("tolerance {:g}", tolerance),
@@ -189,7 +179,7 @@ Comparison bench_model(const ModelBenchOptions& options) {
       "error of the end point",
       "m",
       "CPU time of a run",
-      "Dormand-Prince 5(4) in extended precision (64-bit mantissa), segmented at the friction "
+      "Runge-Kutta-Fehlberg 7(8) in extended precision (64-bit mantissa), segmented at the friction "
       "switches, local tolerance 1e-17 of the scene's scales (1e-15 with --quick); in the "
       "marginal scene, where explicit methods hang, tribotrack's own result at tolerance 1e-17",
       1e-8};

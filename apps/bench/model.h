@@ -14,7 +14,7 @@ namespace tribotrack::bench {
 
 struct ModelBenchOptions {
   bool quick = false;  ///< shorter runs, fewer tolerances and repetitions: a check that it works
-  /// Besides the paper's recipe, our own Dormand-Prince and Moreau-Jean.
+  /// Besides the paper's recipe and Moreau-Jean.
   std::vector<BenchPeer> peers = library_peers();
   std::function<void(int done, int total)> progress;
 };

@@ -39,21 +39,6 @@ apps::Json decades(const std::string& title, apps::Values values) {
   return apps::plot::log_axis(title, low, std::max(std::ceil(std::log10(std::ranges::max(values))), low + 1));
 }
 
-/// Points of one entry of the legend in one panel.
-struct Dots {
-  std::string name;
-  bool large = false;
-  apps::Values x = {}, y = {};
-  apps::Notes notes = {};
-};
-
-template <class List, class Member>
-auto& found_or_added(List& list, const std::string& name, Member member) {
-  auto found = std::ranges::find(list, name, member);
-  if (found == list.end()) found = list.insert(found, {name});
-  return *found;
-}
-
 /// Where a method ends, a point at each of its settings; what has no logarithm is drawn at the lower edge.
 Figure figure_of(const Comparison& comparison) {
   Figure figure{.id = comparison.name + "-error-time", .title = comparison.title, .caption = {}};
@@ -70,31 +55,34 @@ Figure figure_of(const Comparison& comparison) {
   const apps::Json x = decades(comparison.time + ", s", times);
   const apps::Json y =
       decades(comparison.error + (comparison.unit == "x limit" ? "" : ", " + comparison.unit), errors);
-  struct Group {
-    std::string name;
-    std::vector<Dots> dots = {};
+  std::vector<std::string> groups, legend;
+  const auto add_new = [](std::vector<std::string>& list, const std::string& name) {
+    if (std::ranges::find(list, name) == list.end()) list.push_back(name);
   };
-  std::vector<Group> groups;
-  for (const ComparedRow& row : comparison.rows) {
-    if (!row.arrived) continue;
-    Dots& dots = found_or_added(found_or_added(groups, row.group, &Group::name).dots, legend_of(row.method),
-                                &Dots::name);
-    dots.large = row.ours;
-    dots.x.push_back(row.time);
-    dots.y.push_back(row.error > 0 ? row.error : std::pow(10, y["range"][0].get<double>()));
-    dots.notes.push_back(fmt::format("{} {}, {}: {:.2g} {} {}", row.method, row.setting, row.scene, row.error,
-                                     comparison.unit, verdict(row)));
-  }
-  std::vector<std::string> legend;
-  for (const Group& group : groups) {
-    apps::Panel panel{.x = x, .y = y, .title = group.name};
-    for (const Dots& dots : group.dots) {
-      const auto entry = std::ranges::find(legend, dots.name);
-      const bool first = entry == legend.end();
-      const auto colour = static_cast<int>(entry - legend.begin());
-      if (first) legend.push_back(dots.name);
+  for (const ComparedRow& row : comparison.rows)
+    if (row.arrived) {
+      add_new(groups, row.group);
+      add_new(legend, legend_of(row.method));
+    }
+  std::vector<bool> named(legend.size());
+  for (const std::string& group : groups) {
+    apps::Panel panel{.x = x, .y = y, .title = group};
+    for (std::size_t k = 0; k < legend.size(); ++k) {
+      apps::Values at, error;
+      apps::Notes notes;
+      bool ours = false;
+      for (const ComparedRow& row : comparison.rows) {
+        if (!row.arrived || row.group != group || legend_of(row.method) != legend[k]) continue;
+        ours = row.ours;
+        at.push_back(row.time);
+        error.push_back(row.error > 0 ? row.error : std::pow(10, y["range"][0].get<double>()));
+        notes.push_back(fmt::format("{} {}, {}: {:.2g} {}", row.method, row.setting, row.scene, row.error,
+                                    comparison.unit));
+      }
+      if (at.empty()) continue;
       panel.traces.push_back(apps::plot::points(
-          dots.name, dots.x, dots.y, {.colour = colour, .legend = first, .large = dots.large}, dots.notes));
+          legend[k], at, error, {.colour = static_cast<int>(k), .legend = !named[k], .large = ours}, notes));
+      named[k] = true;
     }
     figure.panels.push_back(panel);
   }
@@ -129,17 +117,14 @@ long held_in(const std::vector<ExtremeRow>& rows) {
 }  // namespace
 
 Circumstances circumstances_here() {
-  const std::vector<std::string> missing = missing_libraries();
   double load[3];
   return {
       {"program", "tribotrack " TRIBOTRACK_VERSION},
       {"cpu", cpu_name()},
       {"compiler", TRIBOTRACK_COMPILER},
       {"compiler_flags", TRIBOTRACK_COMPILER_FLAGS},
-      {"clock",
-       "CPU time of the measuring thread, of whole commands that of their process; medians of repetitions "
-       "in which the methods take turns"},
-      {"peers_missing", missing.empty() ? "none" : fmt::format("{}", fmt::join(missing, ", "))},
+      {"clock", "CPU time of the measuring thread; medians of repetitions in which the methods take turns"},
+      {"peers_missing", missing_library().empty() ? "none" : missing_library()},
       {"load_average", getloadavg(load, 3) == 3
                            ? fmt::format("{:.2f}, {:.2f}, {:.2f}", load[0], load[1], load[2])
                            : "unknown"}};
@@ -192,9 +177,11 @@ std::string page_of(const BenchResults& results, const Circumstances& circumstan
   page.first =
       paragraph(
           "Errors are distances from a reference that was made in another way or is known because the data "
-          "were simulated; run times are CPU times. Each row of others is set against one row of tribotrack "
-          "as users get it: the fastest that is as accurate or, where none is, the most accurate; PEER WINS "
-          "marks what others do better.") +
+          "were simulated; run times are CPU times. In each group of scenes the best row of tribotrack as "
+          "users "
+          "get it is set against the best of others: the fastest that reach the error named or, where none "
+          "is "
+          "named, the most accurate; PEER WINS marks what others do better.") +
       table_of(summary_of(results)).html();
   page.figures = figures_of(results);
   for (const Comparison& comparison : results.comparisons)

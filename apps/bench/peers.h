@@ -18,33 +18,20 @@ struct PeerResult {
   bool finished = false;  ///< false: max_steps were not enough
 };
 
-struct DormandPrinceOptions {
-  double relative_tolerance = 1e-6;
-  double position_tolerance = 1e-6;  ///< absolute, m
-  double velocity_tolerance = 1e-6;  ///< absolute, m/s
-  double max_step = 0;               ///< s; 0: none
-  /// Stops at every friction switch and starts anew, sees stops (friction exceeds the drive and the velocity
-  /// has turned round or is below stop_speed) and releases. Without it mu is taken at each step's time and
-  /// the part never sticks: it chatters.
-  bool segmented = false;
-  double stop_speed = 1e-6;  ///< m/s; what is left of the path, stop_speed^2 / (2 deceleration), is dropped
-  long max_steps = 5'000'000;
-};
+// All integrate from the scenario's initial velocity; std::invalid_argument unless start = rest.
 
-/// The paper's recipe (section 2.2): MATLAB's ode45 with tolerances 1e-6 and a maximum step of 1e-4 s, which
-/// knows nothing of the friction switches.
-DormandPrinceOptions paper_recipe();
+/// The paper's recipe (section 2.2): MATLAB's ode45, Dormand-Prince 5(4), with tolerances 1e-6 (m, m/s) and a
+/// maximum step of 1e-4 s, which knows nothing of the friction switches: mu is taken at each step's time, and
+/// the part never sticks but chatters.
+PeerResult paper_recipe(const model::Scenario& scenario, double tolerance = 1e-6, double max_step = 1e-4,
+                        long max_steps = 5'000'000);
 
-/// Dormand-Prince with every tolerance `tolerance` relative to the scene's own scales A and A w.
-DormandPrinceOptions segmented_dormand_prince(const model::Scenario& scenario, double tolerance);
+/// Boost.odeint's Dormand-Prince 5(4), `tolerance` relative to the scene's own scales A and A w. Stops at
+/// every friction switch and starts anew, sees stops and releases (equation.h).
+PeerResult dormand_prince(const model::Scenario& scenario, double tolerance, long max_steps = 5'000'000);
 
-/// Dormand-Prince 5(4) from the scenario's initial velocity. Throws std::invalid_argument unless
-/// start = rest.
-PeerResult dormand_prince(const model::Scenario& scenario, const DormandPrinceOptions& options);
-
-/// The same method in extended precision (64-bit mantissa), segmented, at 1e-17 of the scene's scales unless
-/// given otherwise: an end point independent of the library's integrator, good to about 1e-16 of the path.
-/// Slow (about a second).
+/// Runge-Kutta-Fehlberg 7(8) in extended precision (64-bit mantissa), likewise: an end point independent of
+/// the library's integrator, good to about 1e-16 of the path.
 PeerResult extended_precision_reference(const model::Scenario& scenario, double tolerance = 1e-17);
 
 /// Time stepping of non-smooth mechanics (Moreau-Jean with theta = 1: implicit Euler with the friction disc
@@ -58,17 +45,14 @@ struct BenchPeer {
   std::function<PeerResult(const model::Scenario& scenario, double tolerance, long max_steps)> run;
 };
 
-/// Dormand-Prince 5(4), Runge-Kutta-Fehlberg 7(8) and Bulirsch-Stoer of Boost.odeint, begun anew in every
-/// segment of constant friction.
-std::vector<BenchPeer> odeint_peers();
-
 /// SUNDIALS' CVODE, Adams and BDF, re-initialised at every switch.
 std::vector<BenchPeer> cvode_peers();
 
-/// Of this build, which may lack libraries that the product does not need.
+/// Dormand-Prince 5(4), Runge-Kutta-Fehlberg 7(8) and Bulirsch-Stoer of Boost.odeint, begun anew in every
+/// segment of constant friction; CVODE where this build has it.
 std::vector<BenchPeer> library_peers();
 
-/// The libraries this build was made without, such as "SUNDIALS"; empty where it has both.
-std::vector<std::string> missing_libraries();
+/// "SUNDIALS" where this build was made without it, else empty.
+std::string missing_library();
 
 }  // namespace tribotrack::bench

@@ -6,36 +6,22 @@
 #include <cmath>
 
 #include "apps/page/text.h"
+#include "apps/text/csv_table.h"
 #include "apps/text/number_text.h"
 
 namespace tribotrack::bench {
 
 namespace {
 
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
-}
-
 /// Letters of UTF-8: each begins with a byte that continues none.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
-std::string cell_html(const char* element, const Cell& cell) {
-  std::string attributes = cell.number ? " class=\"n\"" : "";
-  if (cell.number && !cell.exact.empty() && cell.exact != cell.text)
-    attributes += fmt::format(" data-v=\"{}\"", apps::escape_html(cell.exact));
-  std::string html = apps::sentence_html(cell.text);
-  if (html.ends_with(" us")) html.replace(html.size() - 2, 2, "µs");
-  return fmt::format("<{0}{1}>{2}</{0}>", element, attributes, html);
-}
-
 }  // namespace
 
 Cell word(const std::string& text) {
-  return {text, quoted(text)};
+  return {text, apps::csv_cell(text)};
 }
 
 Cell number(double value, const char* format) {
@@ -90,19 +76,24 @@ std::string Table::text() const {
 }
 
 std::string Table::html() const {
-  const auto line = [this](const char* element, const auto& cell_of) {
-    std::string out = "<tr>";
-    for (std::size_t k = 0; k < headings.size(); ++k)
-      if (!headings[k].empty()) out += cell_html(element, cell_of(k));
-    return out + "</tr>\n";
-  };
-  std::string html = fmt::format("<div class=\"wide\"><table id=\"{}\" class=\"compact\"><thead>", name);
-  html += line("th", [this](std::size_t k) {
-    return Cell{headings[k], "", !rows.empty() && rows.front()[k].number};
-  });
-  html += "</thead><tbody>\n";
-  for (const auto& row : rows) html += line("td", [&row](std::size_t k) { return row[k]; });
-  return html + "</tbody></table></div>\n";
+  std::vector<std::string> shown;
+  for (std::size_t k = 0; k < headings.size(); ++k)
+    if (!headings[k].empty())
+      shown.push_back((!rows.empty() && rows.front()[k].number ? ">" : "") +
+                      apps::sentence_html(headings[k]));
+  std::string html;
+  for (const auto& row : rows) {
+    html += "<tr>";
+    for (std::size_t k = 0; k < headings.size(); ++k) {
+      if (headings[k].empty()) continue;
+      std::string text = apps::sentence_html(row[k].text);
+      if (text.ends_with(" us")) text.replace(text.size() - 2, 2, "µs");
+      html += row[k].number ? fmt::format("<td class=\"n\" data-v=\"{}\">{}</td>", row[k].exact, text)
+                            : apps::cell(text);
+    }
+    html += "</tr>\n";
+  }
+  return apps::table(name, "compact", shown, html);
 }
 
 Table table_of(const Comparison& comparison) {
@@ -116,9 +107,7 @@ Table table_of(const Comparison& comparison) {
       {"arrived", "arrived", [](const Row& r) { return yes(r.arrived); }},
       {"error", comparison.error, [](const Row& r) { return number(r.error); }},
       {"error_unit", "unit", [&](const Row&) { return word(comparison.unit); }},
-      {"time_s", "time", [](const Row& r) { return seconds(r.time); }},
-      {"error_over_ours", "", [](const Row& r) { return number(r.error_over_ours); }},
-      {"time_over_ours", "", [](const Row& r) { return number(r.time_over_ours); }}};
+      {"time_s", "time", [](const Row& r) { return seconds(r.time); }}};
   if (!comparison.rows.empty())
     for (const Detail& detail : comparison.rows.front().details) {
       std::string heading = detail.name;
@@ -126,7 +115,6 @@ Table table_of(const Comparison& comparison) {
       columns.push_back({detail.name, heading,
                          [name = detail.name](const Row& r) { return number(r.at(name), "{:.4g}"); }});
     }
-  columns.push_back({"verdict", "against ours", [](const Row& r) { return word(verdict(r)); }});
   return {"bench_" + comparison.name, comparison.title + " (" + comparison.time + ")", comparison.rows,
           columns};
 }

@@ -1,27 +1,25 @@
 #include "apps/bench/vision.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <memory>
+#include <cstdlib>
+#include <filesystem>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <system_error>
+#include <stdexcept>
 #include <utility>
 
 #include "apps/bench/timing.h"
-#include "apps/bench/vision_scene.h"
+#include "vision/cramer_rao_bound.h"
 #include "vision/frame_sink.h"
+#include "vision/scene.h"
+#include "vision/synthesis/camera.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::bench {
@@ -29,6 +27,81 @@ namespace tribotrack::bench {
 using namespace vision;
 
 namespace {
+
+/// A disc goes round beside a marker, over a platform that rests or over a textured one that moves.
+class BenchScene {
+ public:
+  static constexpr double kMarker = 26, kMarkerRadius = 12;  ///< px
+  static constexpr int kPoses = 125;                         ///< of one turn; they come again
+
+  /// `texture`: of the platform, grey levels rms; without it rests. The picture is as small as it can be, or
+  /// of the size given.
+  BenchScene(double radius, double texture, int width = 0, int height = 0) {
+    const int reach = static_cast<int>(std::ceil(radius)) + 22;
+    scene_.width = std::max(width, 2 * reach + 61);
+    scene_.height = std::max(height, 2 * reach + 1);
+    scene_.disc.radius_px = radius;
+    scene_.disc.edge_blur_px = 0.7;
+    scene_.disc.scratches = 0;
+    scene_.disc.highlight = 0;
+    scene_.platform.texture_rms = texture;
+    scene_.marker = MarkerAppearance{{kMarker, kMarker}, kMarkerRadius};
+  }
+
+  const Scene& scene() const { return scene_; }
+  double texture() const { return scene_.platform.texture_rms; }
+  ScenePose pose(int frame) const {
+    const double turn = 2 * std::numbers::pi * (frame % kPoses) / kPoses;
+    ScenePose p;
+    p.disc = {scene_.width / 2.0 + 29.7 + 3.7 * std::cos(3 * turn),
+              scene_.height / 2.0 - 0.6 + 3.7 * std::sin(3 * turn)};
+    if (texture() > 0) p.platform = {5.6 * std::cos(5 * turn), -5.6 * std::sin(5 * turn)};
+    return p;
+  }
+  std::function<ScenePose(double)> at(int frame) const {
+    return [p = pose(frame)](double) { return p; };
+  }
+  Circle part(int frame) const {
+    const ScenePose p = pose(frame);
+    return {p.disc.x, p.disc.y, scene_.disc.radius_px};
+  }
+  Circle marker(int frame) const {
+    const ScenePose p = pose(frame);
+    return {kMarker + p.platform.x, kMarker + p.platform.y, kMarkerRadius};
+  }
+  /// The poses of the first `frames` frames, without noise.
+  std::vector<Picture> render(int frames) const {
+    const SceneRenderer renderer(scene_);
+    std::vector<Picture> exact;
+    for (int k = 0; k < std::min(kPoses, frames); ++k) exact.push_back(renderer.render_exact(0, 0, at(k)));
+    return exact;
+  }
+  /// The Cramer-Rao bound under this noise, px, rms over the path and both coordinates.
+  double bound(double noise) const {
+    Scene noisy = scene_;
+    noisy.read_noise = noise;
+    const SceneRenderer renderer(noisy);
+    constexpr int kSamples = 8;
+    double variance = 0;
+    for (int k = 0; k < kSamples; ++k)
+      variance += position_bound(renderer, 0, 0, at(k * kPoses / kSamples)).trace() / (2 * kSamples);
+    return std::sqrt(variance);
+  }
+
+ private:
+  Scene scene_;
+};
+
+/// A picture as an 8-bit camera records it: white noise of `noise` grey levels, then rounding and clipping.
+Picture recorded(const Picture& exact, double noise, int frame) {
+  const CounterRandom random(20210, static_cast<std::uint64_t>(frame));
+  Picture out = exact;
+  std::uint64_t counter = 0;
+  for (float& level : out.levels())
+    level =
+        std::clamp(std::round(level + static_cast<float>(noise) * random.gaussian(counter++)), 0.0F, 255.0F);
+  return out;
+}
 
 /// How far a search goes from the last position, px: several times what moves in these recordings.
 constexpr int kSearch = 8;
@@ -51,7 +124,8 @@ cv::Mat matrix_of(const Picture& picture) {
   return out;
 }
 
-/// The highest point of the correlation, between pixels by three points along each axis.
+/// cv::matchTemplate in a window about the last position, the template the target's square in the first
+/// frame: the highest point of the correlation, between pixels by three points along each axis.
 class Matching {
  public:
   Matching(FrameSource& source, const Circle& target) : last_(target) {
@@ -97,6 +171,8 @@ double level_at(const Picture& picture, double x, double y) {
          v * ((1 - u) * picture.at(i, j + 1) + u * picture.at(i + 1, j + 1));
 }
 
+/// A circle through the points of steepest grey level along rays from the last position (Kasa's fit: linear
+/// least squares), three times in each frame, the last two without edges that lie beside it.
 class CircleFit {
  public:
   CircleFit(FrameSource&, const Circle& target) : last_(target) {}
@@ -154,36 +230,6 @@ class CircleFit {
   Picture picture_;
 };
 
-template <class Method>
-std::vector<Point> follow(FrameSource& source, const std::vector<Circle>& targets) {
-  const int threads = cv::getNumThreads();
-  cv::setNumThreads(1);
-  std::vector<Method> followed;
-  for (const Circle& target : targets) followed.emplace_back(source, target);
-  std::vector<Point> positions;
-  for (std::int64_t k = 0; k < source.info().frame_count; ++k)
-    for (std::size_t t = 0; t < followed.size(); ++t) {
-      const Point found = followed[t].locate(source, k);
-      if (t == 0) positions.push_back(found);
-    }
-  cv::setNumThreads(threads);
-  return positions;
-}
-
-}  // namespace
-
-std::vector<Point> follow_by_matching(FrameSource& source, const std::vector<Circle>& targets) {
-  return follow<Matching>(source, targets);
-}
-
-std::vector<Point> follow_by_circle_fit(FrameSource& source, const std::vector<Circle>& targets) {
-  return follow<CircleFit>(source, targets);
-}
-
-namespace fs = std::filesystem;
-
-namespace {
-
 /// What one method found in each frame, empty where it lost the part.
 struct Finding {
   std::string method;
@@ -216,13 +262,20 @@ Finding track_as_users_do(FrameSource& source, const BenchScene& scene) {
   return finding;
 }
 
-template <class Follow>
-Finding follow_as_others_do(const char* method, Follow follow, FrameSource& source, const BenchScene& scene) {
-  Finding finding{method};
+/// Follows the part and the marker, told where they lie in the first frame.
+template <class Method>
+Finding follow_as_others_do(const char* name, FrameSource& source, const BenchScene& scene) {
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  Finding finding{name};
   const double begin = thread_seconds();
-  const std::vector<Point> positions = follow(source, {scene.part(0), scene.marker(0)});
-  finding.time = (thread_seconds() - begin) / static_cast<double>(positions.size());
-  finding.positions.assign(positions.begin(), positions.end());
+  Method part(source, scene.part(0)), marker(source, scene.marker(0));
+  for (std::int64_t k = 0; k < source.info().frame_count; ++k) {
+    finding.positions.push_back(part.locate(source, k));
+    marker.locate(source, k);
+  }
+  finding.time = (thread_seconds() - begin) / static_cast<double>(source.info().frame_count);
+  cv::setNumThreads(threads);
   return finding;
 }
 
@@ -247,9 +300,9 @@ ComparedRow judge(const Finding& finding, const BenchScene& scene, double noise,
     if (finding.ours) standardised += error.dot(finding.covariances[frame].inverse() * error);
   }
   ComparedRow row;
-  row.group = scene.textured() ? "brushed platform" : "plain platform";
-  row.scene = fmt::format("R = {:g} px, texture {:g}, noise {:g}", scene.part(0).radius,
-                          scene.scene().platform.texture_rms, noise);
+  row.group = scene.texture() > 0 ? "brushed platform" : "plain platform";
+  row.scene =
+      fmt::format("R = {:g} px, texture {:g}, noise {:g}", scene.part(0).radius, scene.texture(), noise);
   row.method = finding.method;
   row.ours = finding.ours;
   row.time = finding.time;
@@ -263,70 +316,58 @@ ComparedRow judge(const Finding& finding, const BenchScene& scene, double noise,
   return row;
 }
 
-constexpr double kCommandNoise = 2;  ///< grey levels
-constexpr int kCommandPoses = 50;    ///< a picture of 1280 x 800 takes 4 MB in memory
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_((fs::temp_directory_path() / "tribotrack-bench-XXXXXX").string()) {
-    if (!::mkdtemp(path_.data()))
-      throw InputError("no folder can be made in " + fs::temp_directory_path().string());
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  fs::path file(const std::string& name) const { return fs::path(path_) / name; }
-
- private:
-  std::string path_;
-};
-
-double seconds_of(const timeval& time) {
-  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
-
-/// Runs program and arguments to their end, what they print dropped; CPU time, s, user and system.
-double cpu_time_of(std::vector<std::string> command) {
-  std::vector<char*> arguments;
-  arguments.reserve(command.size() + 1);
-  for (std::string& word : command) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t silent{};
-  posix_spawn_file_actions_init(&silent);
-  for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
-    posix_spawn_file_actions_addopen(&silent, stream, "/dev/null", O_WRONLY, 0);
-  pid_t child = 0;
-  const int error = ::posix_spawn(&child, arguments[0], &silent, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&silent);
-  if (error != 0)
-    throw std::runtime_error(command[0] + ": cannot be started: " + std::generic_category().message(error));
-  int status = 0;
+/// CPU time of the processes that have ended, user and system, s.
+double seconds_of_children() {
   rusage used{};
-  while (::wait4(child, &status, 0, &used) < 0)
-    if (errno != EINTR) throw std::runtime_error(command[0] + ": its end cannot be waited for");
-  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  constexpr int kQualityGate = 4;  // a lost part: the row counts it
-  if (code != 0 && code != kQualityGate)
-    throw std::runtime_error(fmt::format("`{}` ended with exit code {}", fmt::join(command, " "), code));
-  return seconds_of(used.ru_utime) + seconds_of(used.ru_stime);
+  ::getrusage(RUSAGE_CHILDREN, &used);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
 }
 
-void record(const BenchScene& scene, int frames, const std::vector<fs::path>& files) {
-  const std::vector<Picture> exact = scene.render(frames);
-  SinkOptions options;
-  options.width = scene.scene().width;
-  options.height = scene.scene().height;
-  std::vector<std::unique_ptr<FrameSink>> sinks;
-  for (const fs::path& file : files) sinks.push_back(create_sink(file, options));
-  for (int k = 0; k < frames; ++k) {
-    const Picture frame = recorded(exact[static_cast<std::size_t>(k) % exact.size()], kCommandNoise,
-                                   static_cast<std::uint64_t>(k));
-    for (const auto& sink : sinks) sink->write(frame);
+/// `tribotrack track` from the start of its process to its end, and a peer that decodes and matches, in turns
+/// on one recording: medians of three.
+void time_whole_commands(const WholeCommands& whole, double texture, Comparison& comparison) {
+  constexpr double kNoise = 2, kRate = 1000;
+  const BenchScene scene(whole.radius, texture, whole.width, whole.height);
+  std::string folder = (std::filesystem::temp_directory_path() / "tribotrack-bench-XXXXXX").string();
+  if (!::mkdtemp(folder.data())) throw InputError(folder + " cannot be made; make room, or set TMPDIR");
+  const std::string file = folder + "/recording.cine";
+  SinkOptions recording;
+  recording.width = whole.width;
+  recording.height = whole.height;
+  recording.frame_rate_hz = kRate;
+  const auto sink = create_sink(file, recording);
+  const SceneRenderer renderer(scene.scene());
+  for (int k = 0; k < whole.frames; ++k)
+    sink->write(recorded(renderer.render_exact(0, 0, scene.at(k)), kNoise, k));
+  sink->close();
+  const Circle part = scene.part(0), marker = scene.marker(0);
+  const std::string command = fmt::format(
+      "'{}' track {} --disc {:.4f},{:.4f},{:g} --marker {:.4f},{:.4f},{:g} --threads 1 -q -o {}/track.csv "
+      ">/dev/null 2>&1",
+      whole.program.string(), file, part.x, part.y, part.radius, marker.x, marker.y, marker.radius, folder);
+  Finding ours, peer;
+  std::vector<double> of_ours, of_peer;
+  for (int turn = 0; turn < 3; ++turn) {
+    const double before = seconds_of_children();
+    if (std::system(command.c_str()) != 0) throw std::runtime_error(command + " failed");
+    of_ours.push_back((seconds_of_children() - before) / whole.frames);
+    const auto source = open_source(file);
+    peer = follow_as_others_do<Matching>("windowed cv::matchTemplate", *source, scene);
+    of_peer.push_back(peer.time);
+    if (turn == 0) ours = track_as_users_do(*source, scene);
   }
-  for (const auto& sink : sinks) sink->close();
+  std::filesystem::remove_all(folder);
+  ours.time = upper_median(of_ours);
+  peer.time = upper_median(of_peer);
+  for (const Finding& finding : {ours, peer}) {
+    comparison.rows.push_back(judge(finding, scene, kNoise, scene.bound(kNoise)));
+    comparison.rows.back().group = "whole command";
+    comparison.rows.back().scene +=
+        fmt::format(", {} frames of {} x {}", whole.frames, whole.width, whole.height);
+  }
 }
 
 }  // namespace
@@ -337,6 +378,7 @@ VisionBenchOptions quick_vision_options() {
   options.textures = {0, 10};
   options.noises = {3};
   options.frames = 250;
+  options.whole = {{}, 320, 200, 20, 24};
   return options;
 }
 
@@ -348,8 +390,9 @@ Comparison bench_vision(const VisionBenchOptions& options) {
       "x limit",
       "CPU time of a frame",
       "truth of analytically rendered pictures; the limit is the Cramer-Rao bound with everything "
-      "but the position known, the 1/12 of rounding included; the time of a whole command is ours from start "
-      "to end of its process, the peer's without the start of one"};
+      "but the position known, the 1/12 of rounding included; a whole command's time is ours from start to "
+      "end of "
+      "its process, the peer's decodes and matches"};
   const int total = static_cast<int>(options.radii.size() * options.textures.size() * options.noises.size());
   int done = 0;
   for (const double radius : options.radii)
@@ -359,75 +402,20 @@ Comparison bench_vision(const VisionBenchOptions& options) {
       for (const double noise : options.noises) {
         std::vector<Picture> frames;
         for (int k = 0; k < options.frames; ++k)
-          frames.push_back(recorded(exact[static_cast<std::size_t>(k) % exact.size()], noise,
-                                    static_cast<std::uint64_t>(k)));
-        MemorySource source(std::move(frames), kFrameRate);
+          frames.push_back(recorded(exact[static_cast<std::size_t>(k) % exact.size()], noise, k));
+        MemorySource source(std::move(frames), 1000);
         const double bound = scene.bound(noise);
         for (const Finding& finding :
              {track_as_users_do(source, scene),
-              follow_as_others_do("windowed cv::matchTemplate", follow_by_matching, source, scene),
-              follow_as_others_do("circle fit", follow_by_circle_fit, source, scene)})
+              follow_as_others_do<Matching>("windowed cv::matchTemplate", source, scene),
+              follow_as_others_do<CircleFit>("circle fit", source, scene)})
           comparison.rows.push_back(judge(finding, scene, noise, bound));
         if (options.progress) options.progress(++done, total);
       }
     }
+  if (!options.whole.program.empty())
+    for (const double texture : {0.0, 10.0}) time_whole_commands(options.whole, texture, comparison);
   return comparison;
-}
-
-WholeCommandOptions quick_whole_command_options() {
-  WholeCommandOptions options;
-  options.width = 240;
-  options.height = 120;
-  options.radius = 20;
-  options.frames = 24;
-  options.repetitions = 1;
-  return options;
-}
-
-std::vector<ComparedRow> bench_whole_commands(const WholeCommandOptions& options) {
-  std::vector<ComparedRow> rows;
-  for (const double texture : {0.0, 10.0}) {
-    const BenchScene scene(options.radius, texture, options.width, options.height, kCommandPoses);
-    const double bound = scene.bound(kCommandNoise);
-    const TemporaryFolder folder;
-    const std::vector<fs::path> files{folder.file("recording.cine"), folder.file("recording.mp4")};
-    record(scene, options.frames, files);
-    const Circle marker = scene.marker(0);
-    for (const fs::path& file : files) {
-      const std::vector<std::string> command{
-          options.program.string(),
-          "track",
-          file.string(),
-          "--marker",
-          fmt::format("{:.6f},{:.6f},{:g}", marker.x, marker.y, marker.radius),
-          "--fps",
-          fmt::format("{:g}", kFrameRate),
-          "--fps-reason",
-          "rendered",
-          "--threads",
-          "1",
-          "-o",
-          folder.file("track.csv").string()};
-      Finding ours, peer;
-      std::vector<double> times[2];
-      for (int turn = 0; turn < options.repetitions; ++turn) {
-        times[0].push_back(cpu_time_of(command) / options.frames);
-        const auto source = open_source(file, SourceOptions{kFrameRate});
-        peer = follow_as_others_do("windowed cv::matchTemplate", follow_by_matching, *source, scene);
-        times[1].push_back(peer.time);
-        if (turn == 0) ours = track_as_users_do(*source, scene);
-      }
-      ours.time = upper_median(times[0]);
-      peer.time = upper_median(times[1]);
-      for (const Finding* finding : {&ours, &peer}) {
-        rows.push_back(judge(*finding, scene, kCommandNoise, bound));
-        rows.back().group = "whole commands";
-        rows.back().scene += fmt::format(", {} frames of {} x {}, {}", options.frames, options.width,
-                                         options.height, file.extension() == ".cine" ? "cine" : "H.264");
-      }
-    }
-  }
-  return rows;
 }
 
 }  // namespace tribotrack::bench

@@ -19,8 +19,8 @@ bool same_recording(const Run& a, const Run& b) {
          one.position == other.position;
 }
 
-}  // namespace
-
+/// Runs whose tracks are the same to the last bit as an earlier one's: each gets Run::repeats. Throws
+/// InvalidInput where they are given with different phi or dtau, of which one is wrong.
 void set_aside_repeated(std::vector<Run>& runs) {
   for (std::size_t i = 0; i < runs.size(); ++i)
     for (std::size_t k = 0; k < i && runs[i].takes_part(); ++k) {
@@ -36,6 +36,8 @@ void set_aside_repeated(std::vector<Run>& runs) {
     }
 }
 
+}  // namespace
+
 std::vector<std::string> repeated_text(const std::vector<Run>& runs) {
   std::vector<std::string> sentences;
   for (const Run& run : runs)
@@ -46,13 +48,15 @@ std::vector<std::string> repeated_text(const std::vector<Run>& runs) {
   return sentences;
 }
 
+namespace {
+
+/// Of the true length that the recordings' scales were measured by, the part's diameter or the side of a tag,
+/// relative; 0: exact, or the scale was given.
 double length_error(const Campaign& campaign) {
   if (campaign.camera.tag_mm) return campaign.camera.tag_mm_sd / *campaign.camera.tag_mm;
   const PartSection& part = campaign.part;
   return part.diameter_mm ? part.diameter_sd_mm / *part.diameter_mm : 0;
 }
-
-namespace {
 
 bool scaled_by(const Run& run, const char* source) {
   return run.takes_part() && run.track && run.track->mm_per_px && run.track->mm_per_px_sd &&
@@ -115,7 +119,6 @@ void rescale(Track& track, const vision::Scale& scale) {
     for (Eigen::Vector2d& p : *lengths) p *= factor;
   for (Eigen::Matrix2d& c : track.table.covariance) c *= factor * factor;
   for (fit::SlowError& slow : track.table.slow) slow.sd *= factor;
-  for (Eigen::Matrix2Xd& shared : track.table.shared) shared *= factor;
   for (auto* lengths : {&track.table.marker_sigma, &track.x_mm, &track.y_mm})
     for (double& x : *lengths) x *= factor;
   track.table.radius *= factor;

@@ -12,10 +12,6 @@
 
 namespace tribotrack::apps {
 
-/// Runs whose tracks are the same to the last bit as an earlier one's: each gets Run::repeats. Throws
-/// InvalidInput where they are given with different phi or dtau, of which one is wrong.
-void set_aside_repeated(std::vector<Run>& runs);
-
 /// 'run "b" is the recording of run "a" once more: it is counted once', one for each.
 std::vector<std::string> repeated_text(const std::vector<Run>& runs);
 
@@ -24,10 +20,6 @@ std::vector<std::string> repeated_text(const std::vector<Run>& runs);
 /// Track::scale_source of a scale by a length that each recording shows.
 inline constexpr const char* kScaledByDiameter = "part's diameter";
 inline constexpr const char* kScaledByTag = "tag";
-
-/// Of the true length that the recordings' scales were measured by, the part's diameter or the side of a tag,
-/// relative; 0: exact, or the scale was given.
-double length_error(const Campaign& campaign);
 
 /// What became of the runs' own scales.
 struct SharedScale {

@@ -74,17 +74,15 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
                                    section.actuator_channel));
   }
   evidence.sensor = fit::sensor_clock(evidence.events, options);
-  evidence.tie = section.tie == "trigger" ? ScopeTie::trigger
-                 : section.tie == "lamp"  ? ScopeTie::lamp
-                                          : ScopeTie::sensor;
+  evidence.tie = section.tie;
   evidence.tie_sd = section.tie_sd_s;
   evidence.trigger_time = section.trigger_time_s ? section.trigger_time_s : track.trigger_time_s;
-  if (evidence.tie == ScopeTie::trigger && !evidence.trigger_time)
+  if (evidence.tie == "trigger" && !evidence.trigger_time)
     throw InvalidInput(
         fmt::format("{}: run \"{}\": the recording does not hold the time of its trigger; give [scope] "
                     "trigger_time_s, the trigger's time in the recording",
                     run.place, run.name));
-  if (evidence.tie == ScopeTie::lamp && track.lamp.time.empty())
+  if (evidence.tie == "lamp" && track.lamp.time.empty())
     throw InvalidInput(fmt::format(
         "{}: run \"{}\": [scope] tie = \"lamp\" needs a lamp in the picture; give [camera] gate_px",
         run.place, run.name));
@@ -149,7 +147,6 @@ GivenConditions given_for(const Campaign& campaign, const Run& analysed) {
       run.angular_frequency ? run.angular_frequency : campaign.platform.angular_frequency;
   given.phase_shift = campaign.platform.phase_shift;
   given.phase_at_zero = run.phase_at_zero;
-  given.phi = run.phi;
   given.dtau = run.dtau;
   given.scope = analysed.scope;
   given.cycles = run.cycles;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -114,11 +115,12 @@ void note_fewer_cycles(const std::vector<Run>& runs, const Context& context) {
 void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& context,
               fit::FitOptions options) {
   options.threads = threads_to_use(context);
-  StageProgress progress(context.quiet);
+  std::map<std::string, Progress> progress;  // of each stage
   options.progress = [&](const char* name, std::size_t done, std::size_t total) {
-    const std::string stage_name = std::string("fit, ") + name;
-    progress.update(stage_name, done, total);
-    context.tell(stage_name, static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
+    const std::string stage = std::string("fit, ") + name;
+    progress.try_emplace(stage, stage, context.quiet)
+        .first->second.update(static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
+    context.tell(stage, static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
   };
   const fit::Problem problem = problem_of(campaign, fitted.runs, fitted.conditions);
   fitted.result = fit::estimate(problem, options);

@@ -44,24 +44,14 @@ auto measured(const std::string& name, Options options, const Context& context, 
 void bench_of_model(const BenchOptions& asked, const Context& context, bench::BenchResults& results) {
   bench::ModelBenchOptions options;
   options.quick = asked.quick;
-  for (const std::string& library : bench::missing_libraries())
+  if (const std::string missing = bench::missing_library(); !missing.empty())
     say(context.quiet,
-        fmt::format("bench model: this build was made without {}; its solvers are not compared", library));
+        fmt::format("bench model: this build was made without {}; its solvers are not compared", missing));
   results.comparisons.push_back(measured("bench model", options, context, bench::bench_model));
   results.extremes = measured("bench model, extremes", options, context, bench::bench_extremes);
   results.omissions = measured("bench model, omissions", options, context, bench::bench_omissions);
   if (const auto broken = std::ranges::count(results.extremes, false, &bench::ExtremeRow::held); broken > 0)
     say(context.quiet, fmt::format("bench model: {} of the extreme cases break their law", broken));
-}
-
-void bench_of_vision(const BenchOptions& asked, const Context& context, bench::BenchResults& results) {
-  const auto grid = asked.quick ? bench::quick_vision_options() : bench::VisionBenchOptions();
-  auto commands = asked.quick ? bench::quick_whole_command_options() : bench::WholeCommandOptions();
-  commands.program = fs::read_symlink("/proc/self/exe");
-  bench::Comparison& comparison =
-      results.comparisons.emplace_back(measured("bench vision", grid, context, bench::bench_vision));
-  for (bench::ComparedRow& row : bench::bench_whole_commands(commands))
-    comparison.rows.push_back(std::move(row));
 }
 
 void bench_of_coverage(const BenchOptions& asked, const Context& context, bench::BenchResults& results) {
@@ -103,21 +93,24 @@ void run_bench(const BenchOptions& asked, const Context& context) {
   bench::BenchResults results;
   const auto wanted = [&](const char* what) { return asked.what == "all" || asked.what == what; };
   if (wanted("model")) bench_of_model(asked, context, results);
-  if (wanted("vision")) bench_of_vision(asked, context, results);
+  if (wanted("vision")) {
+    auto options = asked.quick ? bench::quick_vision_options() : bench::VisionBenchOptions();
+    options.whole.program = fs::read_symlink("/proc/self/exe");
+    results.comparisons.push_back(measured("bench vision", options, context, bench::bench_vision));
+  }
   if (wanted("fit")) {
     bench::FitBenchOptions options;
     options.quick = asked.quick;
     results.comparisons.push_back(measured("bench fit", options, context, bench::bench_fit));
   }
   if (wanted("fit") || wanted("coverage")) bench_of_coverage(asked, context, results);
-  for (bench::Comparison& comparison : results.comparisons) set_against_ours(comparison);
   write_results(asked, context, results, here);
 }
 
 /// For --help.
 std::string peers_of_this_build() {
-  const std::vector<std::string> missing = bench::missing_libraries();
-  return missing.empty() ? "" : fmt::format("\nThis build was made without {}.", fmt::join(missing, " and "));
+  const std::string missing = bench::missing_library();
+  return missing.empty() ? "" : fmt::format("\nThis build was made without {}.", missing);
 }
 
 }  // namespace
@@ -164,7 +157,7 @@ void add_bench(CLI::App& app, Context& context) {
   add_common(
       command, context,
       "  tribotrack bench model -o bench\n\nTables go to stderr, the names of the files written to stdout; "
-      "bench.html shows all of\nit. Where another method is more accurate or faster, the tables mark it PEER "
+      "bench.html shows all of\nit. Where another method is more accurate or faster, the summary says PEER "
       "WINS. "
       "One thread is used,\nand all for the simulated campaigns. `bench model` includes SUNDIALS and "
       "Boost.odeint "
@@ -175,9 +168,6 @@ void add_bench(CLI::App& app, Context& context) {
 }
 
 namespace {
-
-constexpr const char* kFigures[] = {"figure3", "figure4", "figure5",  "figure6",
-                                    "figure7", "figure9", "figure10", "figure11"};
 
 /// The scenarios by their hashes.
 MetaFile meta_of_paper() {
@@ -197,14 +187,10 @@ Paper compute(const Context& context) {
 void run_paper(const fs::path& folder, bool json, const Context& context) {
   create_folder(folder);
   const fs::path page = folder / "paper.html", claims = folder / "claims.csv";
-  std::vector<Output> outputs = {{page}, {claims}};
-  for (const char* figure : kFigures) outputs.push_back({folder / fmt::format("{}.csv", figure)});
-  require_writable(outputs);
+  require_writable({{page}, {claims}});
 
   const Paper paper = compute(context);
   const MetaFile meta = meta_of_paper();
-  for (const PaperFigure& figure : paper.figures)
-    write_result(folder / (figure.id + ".csv"), csv_of(figure), meta);
   write_result(claims, claims_csv(paper), meta);
   write_result(page, page_of(paper), meta);
   say(context.quiet, fmt::format("{}: {} figures, {} claims: {}", page.string(), paper.figures.size(),
@@ -225,8 +211,7 @@ void add_paper(CLI::App& app, Context& context) {
   command
       .add_option("-o,--output", *output,
                   "Folder for paper.html (self-contained: figures 3 to 7 and the model's side of 9 to 11, "
-                  "beside each what the paper claims, what is found and the verdict), claims.csv and the "
-                  "figures' numbers, figure3.csv to figure11.csv")
+                  "beside each what the paper claims, what is found and the verdict) and claims.csv")
       ->type_name("DIR")
       ->required();
   auto json = std::make_shared<bool>(false);

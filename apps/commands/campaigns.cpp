@@ -25,9 +25,9 @@ namespace tribotrack::apps {
 
 namespace {
 
-struct RunOptions {
-  std::string campaign, output, part, emit;
-  bool dry_run = false, overlay_videos = false, explain = false, json = false, wait = false;
+struct RunOptions : RunnerOptions {
+  std::string part, emit;
+  bool dry_run = false;
 };
 
 /// Jobs for a workflow engine instead of doing the work here.
@@ -39,16 +39,10 @@ void emit_workflow(const RunOptions& options, const Context& context) {
 
 void run_command(const RunOptions& options, Context& context) {
   if (!options.emit.empty()) return emit_workflow(options, context);
-  const RunnerOptions runner_options = {.campaign = options.campaign,
-                                        .output = options.output,
-                                        .overlay_videos = options.overlay_videos,
-                                        .explain = options.explain,
-                                        .json = options.json,
-                                        .wait = options.wait};
   const Campaign campaign = read_campaign(campaign_file(options.campaign));
   if (!options.part.empty() || campaign.parts.empty())
-    return run_campaign(campaign_of_part(campaign, options.part), runner_options, options.dry_run, context);
-  run_part_by_part(campaign, runner_options, options.dry_run, context);
+    return run_campaign(campaign_of_part(campaign, options.part), options, options.dry_run, context);
+  run_part_by_part(campaign, options, options.dry_run, context);
 }
 
 }  // namespace
@@ -69,8 +63,6 @@ void add_run(CLI::App& app, Context& context) {
                   "Only this one of the campaign's several [[part]] (default: each, into DIR/NAME)")
       ->type_name("NAME");
   command.add_flag("--dry-run", options->dry_run, "Print what would be done, and stop");
-  command.add_flag("--overlay-videos", options->overlay_videos,
-                   "Also write a labelled video of every run (tracks/NAME.mp4)");
   command.add_flag("--explain", options->explain, "Print the whole fit report, and what was left out");
   command
       .add_option("--emit", options->emit,
@@ -99,7 +91,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct FitCommandOptions {
-  std::string campaign, output, tracks, measurements, part;
+  std::string campaign, output, part;
   bool require_all = false, json = false, explain = false;
   FitChoices choices;
 };
@@ -111,9 +103,9 @@ void check_output(const Campaign& campaign, const FitCommandOptions& options) {
     return;
   }
   std::vector<fs::path> inputs = campaign.input_files();
-  if (!options.tracks.empty())
+  if (!options.choices.tracks.empty())
     for (const CampaignRun& run : campaign.runs) {
-      inputs.push_back(RunFolder::track_in(options.tracks, run.name));
+      inputs.push_back(RunFolder::track_in(options.choices.tracks, run.name));
       inputs.push_back(inputs.back().string() + ".meta.json");
     }
   require_writable({{options.output}}, inputs);
@@ -130,8 +122,6 @@ void fit_command(const FitCommandOptions& options, Context& context) {
   const Campaign campaign = campaign_of_part(read_campaign(campaign_file(options.campaign)), options.part);
   check_output(campaign, options);
   FitChoices choices = options.choices;
-  choices.tracks = options.tracks;
-  choices.measurements = options.measurements;
   choices.result = options.output;
   const FittedCampaign fitted = fit_campaign(campaign, choices, context);
   write_fit(options.output, campaign, fitted);
@@ -151,13 +141,13 @@ void add_fit(CLI::App& app, Context& context) {
       ->required();
   command.add_option("-o,--output", options->output, "The result")->type_name("fit.json")->required();
   command
-      .add_option("--tracks", options->tracks,
+      .add_option("--tracks", options->choices.tracks,
                   "Folder with the runs' tracks, NAME.csv (DIR/tracks of `run`); without it the videos are "
                   "tracked now")
       ->type_name("DIR");
   command.add_option("--part", options->part, "Which of the campaign's several [[part]]")->type_name("NAME");
   command
-      .add_option("--measurements", options->measurements,
+      .add_option("--measurements", options->choices.measurements,
                   "Also write what was measured in each run's track, NAME.json (DIR/measurements of `run`)")
       ->type_name("DIR");
   command.add_flag("--require-all", options->require_all, "Every run must be usable (the default)");
@@ -176,8 +166,8 @@ void add_fit(CLI::App& app, Context& context) {
       ->type_name("N");
   command
       .add_option("--loss", options->choices.loss,
-                  "squares (default); huber or cauchy: outlying runs and points are down-weighted; what that "
-                  "means for the intervals is printed with them")
+                  "squares (default) or huber: outlying displacements are down-weighted; what that means for "
+                  "the intervals is printed with them")
       ->check(one_of(losses()))
       ->type_name("LOSS");
   command.add_flag("--compare-models", options->choices.fit.rivals,

@@ -10,6 +10,7 @@
 #include "apps/files/camera.h"
 #include "apps/files/run_folder.h"
 #include "apps/files/tracks/any_track.h"
+#include "apps/measuring/measure_text.h"
 #include "apps/measuring/measure_track.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
@@ -28,7 +29,6 @@ struct MeasureOptions {
   std::string track, output;
   MeasureChoices choices;
   TrackReading reading;  ///< of another program's track
-  std::string track_y;
   bool json = false;
 };
 
@@ -43,9 +43,7 @@ void check_output(const MeasureOptions& options) {
 
 void measure_command(const MeasureOptions& options, Context& context) {
   check_output(options);
-  TrackReading reading = options.reading;
-  if (!options.track_y.empty())
-    reading.y = options.track_y == "up" ? TrackReading::YAxis::up : TrackReading::YAxis::down;
+  const TrackReading& reading = options.reading;
   for (const auto& [flag, value] :
        {std::pair{"--mm-per-px", reading.mm_per_px}, std::pair{"--fps", reading.frame_rate_hz}})
     if (value && !(*value > 0)) throw UsageError(fmt::format("{} must be greater than 0", flag));
@@ -60,7 +58,8 @@ void measure_command(const MeasureOptions& options, Context& context) {
     meta.configuration = result.configuration;
     write_result(options.output, text_of(result.json), meta);
   }
-  if (!is_standard_output(options.output)) print_text(options.json ? text_of(result.json) : result.text);
+  if (!is_standard_output(options.output))
+    print_text(options.json ? text_of(result.json) : measurement_text(result.json));
   for (const auto& warning : result.warnings) say(context.quiet, "warning: " + warning);
   if (result.failure.empty()) return;
   complain(result.failure);
@@ -102,7 +101,7 @@ void add_measure(CLI::App& app, Context& context) {
                   "Unit of x and y of another program's track whose columns name none")
       ->check(one_of({"px", "um", "mm", "cm", "m"}));
   command
-      .add_option("--track-y", options->track_y,
+      .add_option("--track-y", options->reading.y,
                   "Where its y points: up or down (default: down in pixels, up in lengths)")
       ->check(one_of({"up", "down"}));
   command
@@ -130,14 +129,14 @@ void add_measure(CLI::App& app, Context& context) {
   command.callback([options, &context] { measure_command(*options, context); });
 }
 
-// tribotrack calibrate: pictures of a flat board to the camera's lens, the platform's plane and its scale.
+// tribotrack calibrate: pictures of a checkerboard to the camera's lens, the platform's plane and its scale.
 
 namespace {
 
 struct CalibrateOptions {
   std::vector<std::string> inputs;
-  std::string plane, squares, output, dictionary = "4x4_50";
-  std::optional<double> square_mm, square_sd_mm, marker_mm;
+  std::string plane, squares, output;
+  std::optional<double> square_mm, square_sd_mm;
   bool json = false;
 };
 
@@ -154,16 +153,9 @@ vision::CalibrationBoard board_of(const CalibrateOptions& options) {
                     options.squares));
   board.columns = static_cast<int>(columns);
   board.rows = static_cast<int>(rows);
-  for (const auto& [flag, length] :
-       {std::pair{"--square-mm", options.square_mm}, std::pair{"--marker-mm", options.marker_mm}})
-    if (length && !(*length > 0))
-      throw UsageError(fmt::format("{} must be greater than 0, not {}", flag, *length));
+  if (!(*options.square_mm > 0))
+    throw UsageError(fmt::format("--square-mm must be greater than 0, not {}", *options.square_mm));
   board.square_mm = *options.square_mm;
-  board.dictionary = options.dictionary;
-  if (options.marker_mm) {
-    board.kind = vision::CalibrationBoard::Kind::charuco;
-    board.marker_mm = *options.marker_mm;
-  }
   board.square_relative_sd = options.square_sd_mm.value_or(0) / board.square_mm;
   try {
     board.validate();
@@ -177,13 +169,12 @@ void print_table(const vision::CalibrationResult& result) {
   const auto& c = result.calibration;
   print("{} x {} pixels, {} mm/px on the platform, {:.1f} mm from the lens's pupil\n", c.width, c.height,
         quoted(c.mm_per_px, c.mm_per_px_sd), c.distance_mm());
-  print("focal length {:.1f} x {:.1f} px, middle ({:.1f}, {:.1f}) px, lens terms: {}\n", c.lens.fx, c.lens.fy,
-        c.lens.cx, c.lens.cy, result.model);
-  print("reprojection rms {:.4f} px\n\n{:>8} {:>9} {:>9} {:>9}  picture\n", result.rms_px, "corners",
-        "rms px", "worst px", "tilt deg");
+  print("focal length {:.1f} x {:.1f} px, sd {:.2g}, middle ({:.1f}, {:.1f}) px, lens terms: {}\n", c.lens.fx,
+        c.lens.fy, result.focal_sd_px, c.lens.cx, c.lens.cy, result.model);
+  print("reprojection rms {:.4f} px\n\n{:>8} {:>9} {:>9}  picture\n", result.rms_px, "corners", "rms px",
+        "tilt deg");
   for (const auto& p : result.pictures)
-    print("{:>8} {:>9.4f} {:>9.4f} {:>9.1f}  {}\n", p.corners, p.rms_px, p.worst_px,
-          p.tilt_rad * 180 / std::numbers::pi, p.name);
+    print("{:>8} {:>9.4f} {:>9.1f}  {}\n", p.corners, p.rms_px, p.tilt_rad * 180 / std::numbers::pi, p.name);
 }
 
 void calibrate_command(const CalibrateOptions& options, Context& context) {
@@ -204,9 +195,7 @@ void calibrate_command(const CalibrateOptions& options, Context& context) {
   meta.inputs.push_back(hashed_recording(options.plane));
   meta.configuration = {{"squares", options.squares},
                         {"square_mm", board.square_mm},
-                        {"square_relative_sd", board.square_relative_sd},
-                        {"marker_mm", board.marker_mm},
-                        {"dictionary", board.dictionary}};
+                        {"square_relative_sd", board.square_relative_sd}};
   write_result(options.output, text_of(json), meta);
   for (const auto& left_out : result.left_out) say(context.quiet, "left out: " + left_out);
   if (options.json)
@@ -220,12 +209,12 @@ void calibrate_command(const CalibrateOptions& options, Context& context) {
 void add_calibrate(CLI::App& app, Context& context) {
   auto options = std::make_shared<CalibrateOptions>();
   CLI::App& command = *app.add_subcommand(
-      "calibrate", "Determine lens, plane of the platform and scale from pictures of a flat board");
+      "calibrate", "Determine lens, plane of the platform and scale from pictures of a checkerboard");
   command
-      .add_option(
-          "PICTURES", options->inputs,
-          "Pictures of the board, tilted by 15 to 45 degrees in several directions: files, folders, patterns "
-          "dir/%05d.png or videos")
+      .add_option("PICTURES", options->inputs,
+                  "Pictures of the whole board, tilted by 15 to 45 degrees in several directions: files, "
+                  "folders, patterns "
+                  "dir/%05d.png or videos")
       ->required();
   command.add_option("--plane", options->plane, "A picture of the board lying on the platform")
       ->type_name("PICTURE")
@@ -237,9 +226,6 @@ void add_calibrate(CLI::App& app, Context& context) {
   command.get_option("--square-mm")->required();
   add_number(command, "--square-sd-mm", options->square_sd_mm,
              "Standard deviation of that side: enters the sd of the scale");
-  add_number(command, "--marker-mm", options->marker_mm, "The board is a ChArUco board; side of its markers");
-  command.add_option("--dictionary", options->dictionary, "Of the ChArUco board's markers (default 4x4_50)")
-      ->type_name("NAME");
   command.add_option("-o,--output", options->output, "The calibration")
       ->type_name("calibration.json")
       ->required();

@@ -206,7 +206,7 @@ void run_sweep(const SweepOptions& options, const Context& context) {
   meta.configuration["over"] = texts;
   write_result(options.output, table, meta);
   say(context.quiet,
-      fmt::format("{}: {} scenarios; {}", options.output, sweep.count(), solved.summary.full_report()));
+      fmt::format("{}: {} scenarios; {}", options.output, sweep.count(), solved.summary.brief_report()));
 }
 
 }  // namespace

@@ -34,22 +34,6 @@ struct ProbeOptions {
 /// Frames are compared until so many pixels have been: a second or two.
 constexpr double kPixelsToCompare = 3e8;
 
-Json stamps_json(const vision::StampCheck& check, std::int64_t first_image) {
-  Json stretches = Json::array(), missing = Json::array(), strays = Json::array();
-  for (const auto& s : check.stretches)
-    stretches.push_back({{"first_image", first_image + s.first},
-                         {"last_image", first_image + s.last},
-                         {"rate_hz", s.rate_hz}});
-  for (const auto& gap : check.missing)
-    missing.push_back({{"after_image", first_image + gap.after}, {"frames", gap.count}});
-  for (const std::int64_t stray : check.strays) strays.push_back(first_image + stray);
-  return {{"uniform", check.uniform},
-          {"variable_rate", check.variable},
-          {"stretches", stretches},
-          {"missing", missing},
-          {"stray_images", strays}};
-}
-
 std::vector<std::int64_t> images(const vision::RepeatedFrames& repeats, const vision::SourceInfo& info) {
   std::vector<std::int64_t> numbers = repeats.repeated;
   for (std::int64_t& number : numbers) number += info.first_number;
@@ -90,31 +74,6 @@ Json coding_json(const vision::SourceInfo& info) {
   return json;
 }
 
-void print_coding(const vision::SourceInfo& info) {
-  if (!info.coder) return;
-  const vision::Coder& coder = *info.coder;
-  print("  lossy: coded by {}{}, {}{}\n", coder.name,
-        coder.settings.empty() ? ", which states no settings" : "",
-        coder.all_intra ? "every frame by itself" : fmt::format("one frame in {:.0f} by itself", coder.group),
-        coder.step > 0 ? fmt::format(", quantiser's step {:.1f} levels", coder.step) : "");
-  if (!coder.settings.empty()) print("    {}\n", coder.settings);
-  if (const auto expected = vision::forecast(coder, contrast_for(info))) {
-    print(
-        "    expected error of a position, for a disc of 30 px radius and {:.0f} levels of contrast: about "
-        "{:.2g} px{}\n",
-        contrast_for(info), expected->error_px,
-        expected->late_px > 0
-            ? fmt::format("; motion below some 0.2 px a frame comes late by up to {:.2g} px",
-                          expected->late_px)
-            : "");
-    print("    advice: {}\n", expected->advice);
-  } else if (!coder.all_intra) {
-    print(
-        "    this codec does not tell its quantiser: standard deviations of the track are on the safe "
-        "side\n");
-  }
-}
-
 Json description_of(const vision::SourceInfo& info, const vision::RepeatedFrames& repeats) {
   Json json = {{"path", info.path.string()},
                {"format", info.format},
@@ -136,8 +95,6 @@ Json description_of(const vision::SourceInfo& info, const vision::RepeatedFrames
   if (info.time_base.known() && info.frame_count > 0)
     json["last_time_s"] = info.time_base.time_s(info.frame_count - 1);
   if (!info.time_base.known()) json["time_base"]["why_unknown"] = info.time_base.why_unknown();
-  if (info.time_base.check.rate_hz > 0)
-    json["time_base"]["stamps_say"] = stamps_json(info.time_base.check, info.first_number);
   json["repeats"] = repeats_json(repeats, info);
   json["coding"] = coding_json(info);
   json["notes"] = info.notes;
@@ -149,7 +106,7 @@ void print_description(const vision::SourceInfo& info, const vision::RepeatedFra
         info.height, info.bits, info.colour ? ", colour" : "");
   print("  {} frames, image numbers {} to {}\n", info.frame_count, info.first_number,
         info.first_number + info.frame_count - 1);
-  print_coding(info);
+  if (info.coder) print_text(measurement_text(coding_json(info), "  coding"));
   if (info.time_base.known())
     print("  recorded at {:.10g} frames/s, from: {}{}\n", *info.time_base.rate_hz, info.time_base.source,
           info.time_base.stamps_s.empty() ? "" : " (every frame has the time of its own stamp)");

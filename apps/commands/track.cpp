@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -11,7 +12,9 @@
 #include "apps/commands/command.h"
 #include "apps/files/camera.h"
 #include "apps/files/campaign/campaign.h"
+#include "apps/files/run_folder.h"
 #include "apps/files/tracks/any_track.h"
+#include "apps/measuring/measure_text.h"
 #include "apps/pipeline/job.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
@@ -28,8 +31,10 @@ namespace {
 
 struct TrackCommandOptions {
   std::string input, output, disc, target, marker, gate, frames, overlay, first_frame, debug, debug_frames;
-  std::string campaign, run;  ///< instead of an input and its choices
-  TrackChoices choices;       ///< but for those that are read from the texts above
+  std::string campaign, run;                             ///< instead of an input and its choices
+  std::map<std::string, std::optional<double>> numbers;  ///< of kTrackNumbers, by their flags
+  std::string fps_reason;
+  TrackChoices choices;  ///< but for those that are read from the texts above
   bool json = false;
   bool explain = false;
 };
@@ -55,17 +60,13 @@ std::vector<double> numbers_of(const std::string& flag, const std::string& text,
   return values;
 }
 
-vision::Circle circle_of(const std::string& flag, const std::string& text,
-                         const char* form = "X,Y,R in pixels, such as 640,400,150") {
-  const auto v = numbers_of(flag, text, 3, form);
-  return {v[0], v[1], v[2]};
-}
+constexpr const char* kCircle = "X,Y,R in pixels, such as 640,400,150";
 
-vision::Rect rectangle_of(const std::string& text) {
+std::vector<std::int64_t> rectangle_of(const std::string& text) {
   const auto v = numbers_of("--template", text, 4, "X,Y,W,H in whole pixels, such as 100,40,41,41");
   for (const double value : v)
     if (value != std::floor(value)) throw UsageError("--template must be whole pixels");
-  return {static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]), static_cast<int>(v[3])};
+  return {v.begin(), v.end()};
 }
 
 std::int64_t frame_number(const std::string& flag, const std::string& text) {
@@ -77,39 +78,35 @@ std::int64_t frame_number(const std::string& flag, const std::string& text) {
 
 void set_frames(TrackChoices& choices, const std::string& text) {
   const auto parts = split(text, ':');
-  const auto number = [&](const std::string& part) -> std::optional<std::int64_t> {
-    if (part.empty()) return std::nullopt;
-    const auto value = parse_number(part);
-    if (!value || *value != std::floor(*value))
-      throw UsageError(fmt::format(
-          "--frames must read A:B or A:B:STEP in the recording's own image numbers (each may be empty), not "
-          "\"{}\"",
-          text));
-    return static_cast<std::int64_t>(*value);
+  if (parts.size() != 2 && parts.size() != 3)
+    throw UsageError(fmt::format(
+        "--frames must read A:B or A:B:STEP in the recording's own image numbers (each may be empty), not "
+        "\"{}\"",
+        text));
+  const auto number = [&](std::size_t k) {
+    const bool there = k < parts.size() && !parts[k].empty();
+    return there ? std::optional(frame_number("--frames", parts[k])) : std::nullopt;
   };
-  if (parts.size() != 2 && parts.size() != 3) number("x");
-  choices.first_frame = number(parts[0]);
-  choices.last_frame = number(parts[1]);
-  if (parts.size() == 3) choices.frame_step = number(parts[2]);
-}
-
-vision::MarkerChoice marker_of(const std::string& text) {
-  try {
-    if (const auto named = marker_named(text)) return *named;
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(fmt::format("--marker names no tag: {}", error.what()));
-  }
-  return {vision::MarkerChoice::Kind::circle,
-          circle_of("--marker", text,
-                    fmt::format("X,Y,R in pixels, such as 200,180,24, or be {}", kMarkerWords).c_str())};
+  choices.first_frame = number(0);
+  choices.last_frame = number(1);
+  choices.frame_step = number(2);
 }
 
 TrackChoices choices_of(const TrackCommandOptions& options) {
   TrackChoices choices = options.choices;
-  if (!options.disc.empty()) choices.disc = circle_of("--disc", options.disc);
-  if (!options.target.empty()) choices.rectangle = rectangle_of(options.target);
-  if (!options.marker.empty()) choices.marker = marker_of(options.marker);
-  if (!options.gate.empty()) choices.gate = circle_of("--gate", options.gate);
+  for (const TrackFlag& flag : kTrackNumbers)
+    if (const auto& value = options.numbers.at(flag.flag)) choices.keys[flag.section][flag.key] = *value;
+  Json& camera = choices.keys["camera"];
+  if (!options.fps_reason.empty()) camera["frame_rate_reason"] = options.fps_reason;
+  if (!options.disc.empty()) camera["disc_px"] = numbers_of("--disc", options.disc, 3, kCircle);
+  if (!options.target.empty()) camera["template_px"] = rectangle_of(options.target);
+  if (!options.gate.empty()) camera["gate_px"] = numbers_of("--gate", options.gate, 3, kCircle);
+  if (options.marker == "auto" || options.marker == "texture" || options.marker == "none" ||
+      options.marker.starts_with("tag:"))
+    camera["marker"] = options.marker;
+  else if (!options.marker.empty())
+    camera["marker_px"] =
+        numbers_of("--marker", options.marker, 3, fmt::format("{}, or be {}", kCircle, kMarkerWords).c_str());
   if (!options.frames.empty()) set_frames(choices, options.frames);
   return choices;
 }
@@ -136,26 +133,10 @@ void check_debug_folder(const std::filesystem::path& folder, const std::filesyst
                                    folder.string()));
 }
 
-/// "halves_x 1.03", or "-" for what nobody can tell.
-void print_audit(const vision::Audit& audit) {
-  const auto line = [](const char* name, const std::optional<double>& value, const char* meaning) {
-    print_error(
-        fmt::format("  {:<16} {:>6}  {}", name, value ? fmt::format("{:.2f}", *value) : "-", meaning));
-  };
-  print_error(
-      fmt::format("audit: {} frames, ratios to what the model's standard deviations predict", audit.frames));
-  line("halves_x", audit.halves_x, "left against right half of the part");
-  line("halves_y", audit.halves_y, "top against bottom half");
-  line("high_frequency", audit.high_frequency, "scatter from frame to frame");
-  line("lag1", audit.lag1, "correlation of consecutive errors; 0 is right");
-  print_error(fmt::format("  standard deviations are multiplied by {:.3f}; {:.5f} px over {:.2g} s added",
-                          std::sqrt(audit.white_factor), audit.slow_sd, audit.slow_time));
-}
-
 void print_explanation(const vision::TrackResult& result) {
   for (const auto& stage : result.summary.plan)
     print_error(fmt::format("{:<24} {:<4} {}", stage.name, stage.on ? "on" : "off", stage.reason));
-  print_audit(result.summary.audit);
+  print_error(measurement_text(json_of(result.summary.audit), "audit"));
   double total = 0;
   for (const auto& stage : result.stage_times) total += stage.seconds;
   print_error(fmt::format("{:<30} {:>9} {:>6}", "time of each stage", "s", "share"));
@@ -229,13 +210,16 @@ std::vector<std::filesystem::path> inputs_of(const Campaign& campaign, const Cam
   return inputs;
 }
 
-/// As `run` does it: the bytes of the track are the same.
+/// As `run` does it: the bytes of the track are the same, unless --frames asks for some only.
 void track_run(const TrackCommandOptions& options, double started, Context& context) {
   if (options.run.empty()) throw CLI::RequiredError("--run NAME");
   if (is_standard_output(options.output))
     throw UsageError("the track of a campaign's run is a file: give -o T.csv");
   const Campaign campaign = campaign_of_part(read_campaign(campaign_file(options.campaign)), "");
-  const CampaignRun& run = run_named(campaign, options.run);
+  CampaignRun run = run_named(campaign, options.run);
+  if (options.choices.first_frame) run.first_frame = options.choices.first_frame;
+  if (options.choices.last_frame) run.last_frame = options.choices.last_frame;
+  run.frame_step = options.choices.frame_step.value_or(run.frame_step);
   check_outputs(options, inputs_of(campaign, run));
   leaving_word(run, options.output, [&] {
     if (!run.video) {
@@ -269,8 +253,8 @@ void track_command(const TrackCommandOptions& options, Context& context) {
 void exclude_choices(CLI::App& command, CLI::Option& campaign) {
   for (const char* name :
        {"INPUT", "--fps", "--fps-reason", "--mm-per-px", "--disc-diameter-mm", "--calibration", "--height-mm",
-        "--working-distance-mm", "--disc", "--template", "--marker", "--gate", "--frames", "--xi-axis-rad",
-        "--layers", "--debug", "--debug-frames", "--config"})
+        "--working-distance-mm", "--disc", "--template", "--marker", "--gate", "--xi-axis-rad", "--layers",
+        "--debug", "--debug-frames", "--config"})
     campaign.excludes(command.get_option(name));
 }
 
@@ -283,30 +267,19 @@ void add_track(CLI::App& app, Context& context) {
       "INPUT", options->input,
       "Phantom .cine, a video, a multi-page TIFF, a folder of pictures, or a pattern dir/%05d.png");
   command.add_option("-o,--output", options->output, "The track table")->type_name("T.csv")->required();
-  add_number(command, "--fps", options->choices.fps,
-             "Rate of recording, frames/s, where the file does not give it reliably");
+  for (const TrackFlag& flag : kTrackNumbers) {
+    const bool angle = std::string_view(flag.flag).ends_with("-rad");
+    (angle ? add_angle : add_number)(command, flag.flag, options->numbers[flag.flag], flag.help);
+  }
   command
-      .add_option("--fps-reason", options->choices.fps_reason,
+      .add_option("--fps-reason", options->fps_reason,
                   "Source of the frame rate, for the meta file; required if --fps equals the file's "
                   "playback rate")
       ->type_name("TEXT");
-  add_number(command, "--mm-per-px", options->choices.mm_per_px, "Scale, of the platform's plane");
-  add_number(command, "--disc-diameter-mm", options->choices.disc_diameter_mm,
-             "Scale by the disc's true diameter; beside another scale a check of it");
-  add_number(
-      command, "--chamfer-mm", options->choices.chamfer_mm,
-      "Width of the disc's chamfer seen from above, 0 for a sharp edge: makes the scale by its diameter "
-      "sharp");
-  add_number(command, "--tag-mm", options->choices.tag_mm,
-             "Scale by the side of the tag's black square (--marker tag:...)");
   command
       .add_option("--calibration", options->choices.calibration,
                   "Scale, lens and plane of the platform from `tribotrack calibrate`")
       ->type_name("FILE");
-  add_number(command, "--height-mm", options->choices.height_mm,
-             "Height of the part's top above the marker's plane");
-  add_number(command, "--working-distance-mm", options->choices.working_distance_mm,
-             "Distance from the lens to the marker's plane: corrects the parallax together with --height-mm");
   command
       .add_option("--disc", options->disc,
                   "The disc in the first analysed frame, or where it is first seen there (default: found; "
@@ -330,8 +303,6 @@ void add_track(CLI::App& app, Context& context) {
       .add_option("--frames", options->frames,
                   "Image numbers of the first and last frame to analyse, both included; every n-th of them")
       ->type_name("A:B[:STEP]");
-  add_angle(command, "--xi-axis-rad", options->choices.xi_axis_rad,
-            "Direction of the platform's displacement at phase 0 in the picture (x right, y up)");
   command
       .add_option("--layers", options->choices.layers,
                   "Second pass with the appearance of disc and platform learned from the recording (default "

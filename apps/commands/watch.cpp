@@ -2,9 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <future>
 #include <memory>
 #include <numbers>
 
@@ -21,7 +19,6 @@ namespace tribotrack::apps {
 namespace {
 
 constexpr double kLookForChanges = 1;  ///< s: how soon an edited campaign is read again
-constexpr std::size_t kFewRuns = 5;    ///< leave several minima, which are looked for anew
 constexpr const char* kFirst = "phi = 0 (0deg), dtau = pi/3 (60deg): any run tells which comes next";
 
 struct WatchOptions {
@@ -66,9 +63,7 @@ class Watcher {
   }
 
   void finish() {
-    settle();
     if (!fitted_) throw InvalidInput(fmt::format("{}: no recording could be used", options_.folder));
-    context_.exit_code = exit_code_;
     if (options_.json) print_text(text_of(json_));
   }
 
@@ -86,36 +81,18 @@ class Watcher {
         return;
       }
       require_fitted(goals_, campaign.fit.parameters);
-      const auto runner =
-          std::make_shared<CampaignRunner>(RunnerOptions{.campaign = campaign_.file().string(),
-                                                         .output = options_.output,
-                                                         .command = "watch",
-                                                         .json = options_.json,
-                                                         .locked = true,
-                                                         .new_recordings = arrived},
-                                           std::move(campaign), context_);
-      runner->take_folder();
-      runner->measure();
-      const bool known = preview_.usable() && preview_.runs.size() >= kFewRuns;
-      preview_ = runner->preview(known ? &preview_ : nullptr);
-      const bool said = say_next_of(preview_);
-      settle();
-      finishing_ = std::async(std::launch::async, [this, runner, said] { fit_and_report(*runner, said); });
-    } catch (const OutputError&) {
-      throw;
-    } catch (const InvalidInput& error) {
-      fail(error);
-    } catch (const fit::DataError& error) {
-      fail(error);
-    }
-  }
-
-  /// The whole fit and the report, while the next recording is waited for, or tracked already.
-  void fit_and_report(CampaignRunner& runner, bool next_said) {
-    try {
-      exit_code_ = kDone;
+      CampaignRunner runner({.campaign = campaign_.file().string(),
+                             .output = options_.output,
+                             .command = "watch",
+                             .json = options_.json,
+                             .locked = true,
+                             .new_recordings = arrived},
+                            std::move(campaign), context_);
+      context_.exit_code = kDone;
+      runner.take_folder();
+      runner.measure();
       runner.fit_all();
-      tell(runner, next_said);
+      tell(runner);
       runner.report();
       runner.write_log();
       json_ = runner.fitted().json;
@@ -129,42 +106,22 @@ class Watcher {
     }
   }
 
-  /// Waits for that; what it threw is thrown here.
-  void settle() {
-    if (finishing_.valid()) finishing_.get();
-  }
-
-  void fail(const std::exception& error) {
-    settle();
-    exit_code_ = kDone;
-    complain(error.what());
-  }
-
-  void tell(const CampaignRunner& runner, bool next_said) {
+  void tell(const CampaignRunner& runner) {
     const FittedCampaign& fit = runner.fitted();
     say_result(fmt::format("{} runs: {}", fit.runs.size(), fit.result.brief_report()));
     for (const Json& warning : fit.json["warnings"])
       say(context_.quiet, "warning: " + warning.get<std::string>());
     if (const auto failed = runner.failed()) {
       complain(fmt::format("{} of {} runs failed and were left out", failed, fit.runs.size()));
-      exit_code_ = kQualityGate;
+      context_.exit_code = kQualityGate;
     }
-    if (!fit.result.usable()) exit_code_ = kFitUnusable;
+    if (!fit.result.usable()) context_.exit_code = kFitUnusable;
     if (!goals_.empty()) say_result(progress_of(goals_, fit.result));
-    const bool reached = all_reached(goals_, fit.result);
-    if (reached)
+    reached_ = all_reached(goals_, fit.result);
+    if (reached_)
       say_result("reached: nothing more needs to be filmed");
-    else if (!next_said)
-      say_next_of(fit.result);
-    reached_ = reached;
-  }
-
-  /// False where the fit has reached the goals, or suggests none.
-  bool say_next_of(const fit::FitResult& fit) {
-    const fit::NextExperiment* next = all_reached(goals_, fit) ? nullptr : next_for(goals_, fit);
-    if (next == nullptr) return false;
-    say_next(fmt::format("phi = {}, dtau = {}{}", degrees(next->phi), degrees(next->dtau), gain(*next)));
-    return true;
+    else if (const fit::NextExperiment* next = next_for(goals_, fit.result))
+      say_next(fmt::format("phi = {}, dtau = {}{}", degrees(next->phi), degrees(next->dtau), gain(*next)));
   }
 
   /// ": sd(mu1) 5e-05 -> 1.1e-05", of the sentence that the fit itself says.
@@ -185,13 +142,8 @@ class Watcher {
   Arrivals arrivals_;
   GrowingCampaign campaign_;
   RunFolderLock lock_;
-  fit::FitResult preview_;  ///< the last one
-  // Written by fit_and_report() alone; read after settle(), but for reached_.
   Json json_;  ///< of fit.json
-  bool fitted_ = false;
-  ExitCode exit_code_ = kDone;
-  std::atomic<bool> reached_ = false;
-  std::future<void> finishing_;  ///< the last member: it ends before what it uses
+  bool fitted_ = false, reached_ = false;
 };
 
 }  // namespace

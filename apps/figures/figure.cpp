@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <numeric>
 #include <utility>
-
-#include "apps/text/csv_table.h"
-#include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 
@@ -49,7 +47,6 @@ Values reach(const Panel& panel, bool along_x) {
   for (const Json& trace : panel.traces) {
     const Values values = plot::values_of(trace, along_x ? "x" : "y");
     all.insert(all.end(), values.begin(), values.end());
-    if (along_x && trace.contains("orientation")) all.push_back(0);
     if (!along_x && trace.contains("fill")) {
       const Values high = plot::values_of(trace, "customdata");
       all.insert(all.end(), high.begin(), high.end());
@@ -99,6 +96,30 @@ void settle_axes(Figure& figure) {
       }
     settle(panel.x, x);
   }
+}
+
+AngleCurve broken_at_turns(const Values& x, const Values& y, const Values& half) {
+  constexpr double turn = 2 * std::numbers::pi;
+  AngleCurve curve;
+  const auto add = [&](double at, double value, std::size_t i) {
+    curve.x.push_back(at);
+    curve.y.push_back(value);
+    curve.half.push_back(std::isnan(value) || i >= half.size() ? kNone : half[i]);
+  };
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (i > 0 && std::abs(y[i] - y[i - 1]) > std::numbers::pi) {
+      // Upwards through 2 pi, or downwards through 0: where along x, on the straight line between the two.
+      const bool upwards = y[i] < y[i - 1];
+      const double to = y[i] + (upwards ? turn : -turn), edge = upwards ? turn : 0;
+      const double share = to == y[i - 1] ? 1 : (edge - y[i - 1]) / (to - y[i - 1]);
+      const double at = x[i - 1] + share * (x[i] - x[i - 1]);
+      add(at, edge, i);
+      add(at, kNone, i);
+      add(at, turn - edge, i);
+    }
+    add(x[i], y[i], i);
+  }
+  return curve;
 }
 
 DrawnPath thinned(const Values& x, const Values& y, std::size_t most) {
@@ -152,24 +173,19 @@ Values picked(const Values& values, const std::vector<std::size_t>& places) {
 
 namespace {
 
-constexpr int kDigits = 7;            // of what stands by itself
-constexpr double kTellsApart = 1e-4;  // of an axis: a tenth of a pixel where it is a thousand long
-
-void shorten(Json& number, int digits = kDigits) {
+void shorten(Json& number, int digits = 9) {
   const double value = number.is_number() ? number.get<double>() : kNone;
   number = std::isfinite(value) ? Json(std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr))
                                 : Json();
 }
 
-/// As fine as the axis can show.
+/// To a ten-thousandth of their range, a tenth of a pixel; on a logarithmic axis to seven digits.
 void shorten_places(Json& numbers, const Json& axis) {
-  const Json& range = axis.at("range");
-  const double step = kTellsApart * std::abs(range[1].get<double>() - range[0].get<double>());
+  const double step = 1e-4 * range_of(numbers.get<Values>()).size();
   for (Json& number : numbers) {
-    const double size = number.is_number() ? std::abs(number.get<double>()) : kNone;
-    const bool plain = is_log(axis) || !(step > 0) || !std::isfinite(size);
-    const double digits = plain ? kDigits : std::ceil(std::log10(std::max(size / step, 1.0))) + 1;
-    shorten(number, static_cast<int>(std::clamp(digits, 1.0, 15.0)));
+    const double size = std::abs(number.get<double>());
+    const bool plain = is_log(axis) || !std::isfinite(size);
+    shorten(number, plain ? 7 : 1 + static_cast<int>(std::ceil(std::log10(std::max(size / step, 1.0)))));
   }
 }
 
@@ -192,17 +208,6 @@ Json shortened(Json axis) {
 /// Of the axes of panel `i`: "" for the first, "2", ...
 std::string axis_number(std::size_t i) {
   return i == 0 ? "" : std::to_string(i + 1);
-}
-
-std::string mark_of(const Json& trace) {
-  if (trace.contains("orientation")) return "bars";
-  if (trace.contains("fill")) return "band";
-  const std::string mode = trace.at("mode");
-  return mode == "lines" ? "line" : mode == "markers" ? "points" : "text";
-}
-
-std::string cell_of(const Json& trace, const char* key, std::size_t i) {
-  return trace.contains(key) && i < trace[key].size() ? exact(trace[key][i].get<double>()) : std::string();
 }
 
 }  // namespace
@@ -240,23 +245,6 @@ Json plotly_json(const Figure& figure) {
   }
   if (!figure.colour_bar.is_null()) json["data"].push_back(figure.colour_bar);
   return json;
-}
-
-std::string csv_of(const Figure& figure) {
-  std::string csv = "panel,series,mark,name,x,y,sd,y_high,note\n";
-  for (std::size_t p = 0; p < figure.panels.size(); ++p)
-    for (std::size_t s = 0; s < figure.panels[p].traces.size(); ++s) {
-      const Json& trace = figure.panels[p].traces[s];
-      for (std::size_t i = 0; i < trace["x"].size(); ++i) {
-        const bool noted = trace.contains("text") && i < trace["text"].size();
-        std::string note = noted ? trace["text"][i] : "";
-        csv += fmt::format("{},{},{},{},{},{},{},{},{}\n", p + 1, s + 1, mark_of(trace),
-                           csv_cell(trace.at("name")), cell_of(trace, "x", i), cell_of(trace, "y", i),
-                           trace.contains("error_y") ? cell_of(trace["error_y"], "array", i) : "",
-                           cell_of(trace, "customdata", i), csv_cell(note));
-      }
-    }
-  return csv;
 }
 
 }  // namespace tribotrack::apps

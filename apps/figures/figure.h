@@ -67,8 +67,6 @@ Json points(const std::string& name, const Values& x, const Values& y, const Loo
 Json line(const std::string& name, const Values& x, const Values& y, const Look& look = {});
 /// From `low` to `high` over x.
 Json band(const std::string& name, const Values& x, const Values& low, const Values& high, const Look& look);
-/// Lying, from 0 to x at height y.
-Json bars(const Values& x, const Values& y, const Notes& notes, const Look& look);
 /// Notes in ink, written at the points.
 Json labels(const Values& x, const Values& y, const Notes& notes);
 
@@ -125,6 +123,12 @@ struct DrawnPath {
   Values x, y;  ///< NaN where the pen is lifted
 };
 
+/// A curve of angles in [0, 2 pi), broken where it starts again at the other end. `half`: of a band about it.
+struct AngleCurve {
+  Values x, y, half;
+};
+AngleCurve broken_at_turns(const Values& x, const Values& y, const Values& half);
+
 /// At most `most` points and the breaks between them: every n-th point, and a break wherever the path is
 /// interrupted in between, so that no line crosses a gap. NaN: not measured.
 DrawnPath thinned(const Values& x, const Values& y, std::size_t most);
@@ -142,9 +146,5 @@ Values picked(const Values& values, const std::vector<std::size_t>& places);
 /// For plotly.js: "data" and "layout", panels numbered row by row, and "panels" with title and height of
 /// each. Numbers are good to a tenth of a pixel. Axes must be settled.
 Json plotly_json(const Figure& figure);
-
-/// One row a point: panel and trace by their number from 1, the mark ("points", "line", "band", "bars",
-/// "text"), the trace's name, x, y, sd, y_high, note. All digits; an empty cell for what is not there.
-std::string csv_of(const Figure& figure);
 
 }  // namespace tribotrack::apps

@@ -111,15 +111,6 @@ Json band(const std::string& name, const Values& x, const Values& low, const Val
   return json;
 }
 
-Json bars(const Values& x, const Values& y, const Notes& notes, const Look& look) {
-  Json json = trace("", x, y, look);
-  json.update(
-      {{"type", "bar"}, {"orientation", "h"}, {"width", 0.62}, {"marker", {{"color", colour_of(look)}}}});
-  json.update(
-      {{"text", notes}, {"textposition", "none"}, {"hovertemplate", hover_text("%{text}", "%{x:.4g}")}});
-  return json;
-}
-
 Json labels(const Values& x, const Values& y, const Notes& notes) {
   Json json = trace("", x, y, {});
   json.update({{"mode", "text"}, {"text", notes}, {"hoverinfo", "skip"}, {"cliponaxis", false}});

@@ -1,18 +1,13 @@
 #include "apps/figures/printed.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 
-#include <cerrno>
+#include <cstdio>
 #include <string>
-#include <system_error>
 
 #include "apps/program/errors.h"
 #include "apps/text/output_file.h"
-#include "apps/text/strict_toml.h"
 
 namespace tribotrack::apps {
 
@@ -20,46 +15,24 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kInterpreter = "/usr/bin/python3";  // Debian's, whose packages hold matplotlib
-
-/// A folder for what matplotlib keeps, gone with this object.
-struct Scratch {
-  std::string path = (fs::temp_directory_path() / "tribotrack_XXXXXX").string();
-  Scratch() {
-    if (::mkdtemp(path.data()) == nullptr) throw InvalidInput(path + ": the folder cannot be made");
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-};
-
 /// Runs the script as Debian's python3 does, with nothing of the user's settings, of the current folder or of
 /// the script's own: a json.py or matplotlibrc that lies there is not what it reads. What it says; its
 /// status, 127 where there is no python3.
-std::string run_script(std::string script, int& status) {
-  const Scratch scratch;
-  const std::string said = scratch.path + "/said";
-  std::string interpreter = kInterpreter, isolated = "-I", no_cache = "-B", home = "HOME=" + scratch.path,
-              settings = "MPLCONFIGDIR=" + scratch.path, letters = "LC_ALL=C.UTF-8";
-  char* const arguments[] = {interpreter.data(), isolated.data(), no_cache.data(), script.data(), nullptr};
-  char* const environment[] = {home.data(), settings.data(), letters.data(), nullptr};
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 1, said.c_str(), O_WRONLY | O_CREAT, 0600);
-  posix_spawn_file_actions_adddup2(&actions, 1, 2);
-  posix_spawn_file_actions_addchdir_np(&actions, scratch.path.c_str());
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, kInterpreter, &actions, nullptr, arguments, environment);
-  posix_spawn_file_actions_destroy(&actions);
-  status = 127;
-  if (failed != 0) return fmt::format("{} cannot be started", kInterpreter);
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  status = WIFEXITED(status) ? WEXITSTATUS(status) : 1;
-  return fs::exists(said) ? read_text(said) : "";
+std::string run_script(const std::string& script, int& status) {
+  std::string quoted;
+  for (const char c : script) quoted += c == '\'' ? std::string("'\\''") : std::string{c};
+  const std::string command = fmt::format(
+      "d=$(mktemp -d) && cd \"$d\" && env -i HOME=\"$d\" MPLCONFIGDIR=\"$d\" LC_ALL=C.UTF-8 /usr/bin/python3 "
+      "-I -B "
+      "'{}' 2>&1; s=$?; rm -rf \"$d\"; exit $s",
+      quoted);
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  if (!pipe) throw InvalidInput("/usr/bin/python3 cannot be started");
+  std::string said;
+  for (int c; (c = std::fgetc(pipe)) != EOF;) said += static_cast<char>(c);
+  const int ended = ::pclose(pipe);
+  status = WIFEXITED(ended) ? WEXITSTATUS(ended) : 1;
+  return said;
 }
 
 /// The last line that says something.

@@ -70,22 +70,23 @@ vision::Rect rect_of(const StrictTable& table, const char* key, const std::vecto
 
 }  // namespace
 
-std::optional<vision::Rect> read_template(StrictTable& table) {
+std::optional<vision::Target> read_template(StrictTable& table) {
   const auto values = table.integers("template_px", 4);
   if (!values) return std::nullopt;
   if (table.has("disc_px")) table.fail("template_px", "and `disc_px` are two parts; give one of them");
-  return rect_of(table, "template_px", *values);
+  return vision::Target{vision::Target::Kind::rectangle, {}, rect_of(table, "template_px", *values)};
 }
 
-PartPlace read_place(StrictTable& table, const char* key) {
-  if (table.count(key) == 4) return {{}, rect_of(table, key, *table.integers(key, 4))};
-  return {read_circle(table, key), {}};
+vision::Target read_place(StrictTable& table, const char* key) {
+  if (table.count(key) == 4)
+    return {vision::Target::Kind::rectangle, {}, rect_of(table, key, *table.integers(key, 4))};
+  return {vision::Target::Kind::disc, read_circle(table, key).value(), {}};
 }
 
-namespace {
-
-/// A tag of known size sets the scale.
-void check_tag(const StrictTable& table, const CameraSection& camera) {
+void check_camera(const StrictTable& table, const CameraSection& camera) {
+  if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
+  if (camera.calibration && camera.mm_per_px)
+    table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
   if (camera.marker_px && camera.marker.kind == Mark::tag)
     table.fail("marker_px", "and a tag are two marks of the platform; give one of them");
   if (!camera.tag_mm) return;
@@ -95,8 +96,6 @@ void check_tag(const StrictTable& table, const CameraSection& camera) {
     table.fail("tag_mm", fmt::format("gives the scale, and so does {}: leave one out",
                                      camera.mm_per_px ? "mm_per_px" : "calibration"));
 }
-
-}  // namespace
 
 void read_marker(StrictTable& table, CameraSection& camera, const fs::path&) {
   const auto word = table.text("marker");
@@ -125,22 +124,19 @@ Json written_marker(const CameraSection& camera) {
   }
 }
 
-CameraSection read_camera(StrictTable& table, const fs::path& folder, WithSd with_sd) {
+CameraSection read_camera(StrictTable& table, const fs::path& folder) {
   if (table.has("rehearse"))
     table.fail(
         "rehearse",
         "has left: standard deviations include what the codec may have done; leave the key out, and for "
         "smaller ones film uncompressed or FFV1");
   CameraSection camera;
-  read_keys(table, camera_keys(), camera, folder, with_sd);
-  if (camera.mm_per_px_sd > 0 && !camera.mm_per_px) table.fail("mm_per_px_sd", "needs mm_per_px");
-  if (camera.calibration && camera.mm_per_px)
-    table.fail("calibration", "gives the scale, and so does mm_per_px: leave one out");
+  read_keys(table, camera_keys(), camera, folder);
+  check_camera(table, camera);
   if (camera.calibration && !fs::exists(*camera.calibration))
     table.fail("calibration", fmt::format("names {}, which is not there; check its name, or make it with "
                                           "`tribotrack calibrate`",
                                           camera.calibration->string()));
-  check_tag(table, camera);
   table.finish();
   return camera;
 }
@@ -149,24 +145,22 @@ bool can_be_chamfer(double chamfer, double diameter) {
   return chamfer >= 0 && 2 * chamfer < diameter;
 }
 
-PartSection read_part(StrictTable& table, WithSd with_sd) {
-  PartSection part;
-  read_keys(table, part_keys(), part, {}, with_sd);
-  if (table.has("diameter_sd_mm") && table.has("diameter_mm_sd"))
-    table.fail("diameter_sd_mm", "and `diameter_mm_sd` mean the same; give one of them");
-  if (part.diameter_sd_mm > 0 && !part.diameter_mm)
-    table.fail("diameter_sd_mm",
-               "is the sd of `diameter_mm`, which is not given here: give both, or neither");
+void check_part(const StrictTable& table, const PartSection& part) {
   if (part.chamfer_mm && part.diameter_mm && !can_be_chamfer(*part.chamfer_mm, *part.diameter_mm))
     table.fail("chamfer_mm", "must be less than half of `diameter_mm`");
+}
+
+PartSection read_part(StrictTable& table) {
+  PartSection part;
+  read_keys(table, part_keys(), part);
+  check_part(table, part);
   table.finish();
   return part;
 }
 
 namespace {
 
-template <class Matrix>
-Json matrix_json(const Matrix& matrix) {
+Json matrix_json(const Eigen::Matrix3d& matrix) {
   Json rows = Json::array();
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
     Json row = Json::array();
@@ -179,11 +173,8 @@ Json matrix_json(const Matrix& matrix) {
 Json pictures_json(const std::vector<vision::PictureResult>& pictures) {
   Json rows = Json::array();
   for (const auto& p : pictures)
-    rows.push_back({{"picture", p.name},
-                    {"corners", p.corners},
-                    {"rms_px", p.rms_px},
-                    {"worst_px", p.worst_px},
-                    {"tilt_rad", p.tilt_rad}});
+    rows.push_back(
+        {{"picture", p.name}, {"corners", p.corners}, {"rms_px", p.rms_px}, {"tilt_rad", p.tilt_rad}});
   return rows;
 }
 
@@ -201,6 +192,7 @@ Json calibration_json(const vision::CalibrationResult& result) {
       {"distance_mm", c.distance_mm()},
       {"camera_matrix", Json::array({{lens.fx, 0.0, lens.cx}, {0.0, lens.fy, lens.cy}, {0.0, 0.0, 1.0}})},
       {"distortion", {{"k1", lens.k1}, {"k2", lens.k2}, {"p1", lens.p1}, {"p2", lens.p2}, {"k3", lens.k3}}},
+      {"focal_sd_px", result.focal_sd_px},
       {"model", result.model},
       {"models_tried", result.tried},
       {"plane",
@@ -209,9 +201,7 @@ Json calibration_json(const vision::CalibrationResult& result) {
         {"homography_from_undistorted_px", matrix_json(vision::plane_homography(c))}}},
       {"rms_px", result.rms_px},
       {"pictures", pictures_json(result.pictures)},
-      {"left_out", result.left_out},
-      {"covariance_of", result.covariance_of},
-      {"covariance", matrix_json(result.covariance)}};
+      {"left_out", result.left_out}};
 }
 
 namespace {

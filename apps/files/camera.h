@@ -34,10 +34,9 @@ struct PartSection {
   std::optional<double> diameter_mm, height_mm;
   double diameter_sd_mm = 0;  ///< 0: not given
   std::optional<double> height_sd_mm;
-  std::optional<double> chamfer_mm;         ///< width of its ring seen from above; 0: a sharp edge
-  std::optional<vision::Circle> disc_px;    ///< where it lies at first, in every run that does not say
-  std::optional<vision::Rect> template_px;  ///< instead of a disc
-  Digits digits = {};                       ///< of what is given
+  std::optional<double> chamfer_mm;  ///< width of its ring seen from above; 0: a sharp edge
+  vision::Target target;             ///< where it lies at first, in every run that does not say
+  Digits digits = {};                ///< of what is given
 };
 
 /// Whether a part of that diameter can have a chamfer of that width, both in mm.
@@ -55,17 +54,20 @@ struct CameraSection {
   double row_time_s = 0;  ///< of a rolling shutter: from one row to the next one below
   std::optional<double> working_distance_mm;
   std::optional<double> frame_rate_sd_hz, xi_axis_sd_rad, working_distance_sd_mm;
-  std::optional<vision::Circle> disc_px, marker_px, gate_px;
-  std::optional<vision::Rect> template_px;  ///< instead of a disc
+  vision::Target target;  ///< the part in the first analysed frame
+  std::optional<vision::Circle> marker_px, gate_px;
   /// Without marker_px: how the platform's motion is seen.
   vision::MarkerChoice marker = {};
   Digits digits = {};  ///< of what is given
 };
 
-/// Both read the whole table and refuse unknown keys; of a campaign they also take the sds that only a fit
-/// can count. Throw InvalidInput with file, line and column.
-PartSection read_part(StrictTable& table, WithSd with_sd);
-CameraSection read_camera(StrictTable& table, const std::filesystem::path& folder, WithSd with_sd);
+/// Both read the whole table and refuse unknown keys. Throw InvalidInput with file, line and column.
+PartSection read_part(StrictTable& table);
+CameraSection read_camera(StrictTable& table, const std::filesystem::path& folder);
+
+/// What of the keys contradicts each other, in the table that gives them. Throw InvalidInput.
+void check_part(const StrictTable& table, const PartSection& part);
+void check_camera(const StrictTable& table, const CameraSection& camera);
 
 /// `marker`: without marker_px, how the platform's motion is seen.
 void read_marker(StrictTable& table, CameraSection& camera, const std::filesystem::path& folder);
@@ -74,16 +76,15 @@ Json written_marker(const CameraSection& camera);
 /// [x, y, radius] under a key, the radius above 0.
 std::optional<vision::Circle> read_circle(StrictTable& table, const char* key);
 
-/// template_px = [x, y, width, height] in whole pixels; refused beside disc_px.
-std::optional<vision::Rect> read_template(StrictTable& table);
+/// Is it said where the part lies?
+inline bool is_given(const vision::Target& target) {
+  return target.kind != vision::Target::Kind::find_disc;
+}
 
-/// Where a part lies in the first analysed frame: a disc, or a rectangle about a part of any shape.
-struct PartPlace {
-  std::optional<vision::Circle> disc_px;
-  std::optional<vision::Rect> template_px;
-};
+/// template_px = [x, y, width, height] in whole pixels; refused beside disc_px.
+std::optional<vision::Target> read_template(StrictTable& table);
 /// [x, y, radius] or [x, y, width, height].
-PartPlace read_place(StrictTable& table, const char* key);
+vision::Target read_place(StrictTable& table, const char* key);
 
 // calibration.json: what `calibrate` found out about a camera.
 

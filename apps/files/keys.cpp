@@ -47,7 +47,6 @@ constexpr FormFacts kForms[] = {
     {"number, 0 or more", R"({"type": "number", "minimum": 0})"},
     {"angle", R"({"type": ["number", "string"]})"},
     {"number", R"({"type": "number", "exclusiveMinimum": 0})"},
-    {"number", R"({"type": "number", "exclusiveMinimum": 0})"},
     {"whole number", R"({"type": "integer"})"},
     {"word", R"({"type": "string"})"},
     {"text", R"({"type": "string"})"},
@@ -158,7 +157,6 @@ std::optional<double> number_of(StrictTable& table, const Kind& kind, const std:
     case Kind::angle:
       return table.angle(name);
     case Kind::sd:
-    case Kind::sd_of_fit:
       return read_sd(table, name.substr(0, name.size() - 3));
     default:
       return table.number(name);
@@ -226,13 +224,22 @@ struct Reader {
       *value = *read;
     }
   }
+  void operator()(std::vector<std::string>* value) const {
+    if (auto read = table.texts(key.name)) *value = std::move(*read);
+  }
   void operator()(std::optional<std::filesystem::path>* value) const {
     if (const auto read = table.text(key.name)) *value = folder / *read;
   }
   void operator()(std::optional<vision::Circle>* value) const {
     *value = read_circle(table, key.name.c_str());
   }
-  void operator()(std::optional<vision::Rect>* value) const { *value = read_template(table); }
+  void operator()(vision::Target* value) const {
+    if (key.kind.form == Kind::rectangle) {
+      if (const auto read = read_template(table)) *value = *read;
+    } else if (const auto read = read_circle(table, key.name.c_str())) {
+      *value = {vision::Target::Kind::disc, *read, {}};
+    }
+  }
 };
 
 /// And back.
@@ -249,11 +256,17 @@ struct Writer {
   Json operator()(const bool* value) const { return kind.words.at(*value ? 1 : 0); }
   Json operator()(const model::Start* value) const { return model::to_string(*value); }
   Json operator()(const std::string* value) const { return *value; }
+  Json operator()(const std::vector<std::string>* value) const { return *value; }
   Json operator()(const std::optional<std::filesystem::path>* value) const {
     return *value ? Json((*value)->filename().string()) : Json();
   }
   Json operator()(const std::optional<vision::Circle>* value) const { return circle_json(*value); }
-  Json operator()(const std::optional<vision::Rect>* value) const { return rect_json(*value); }
+  Json operator()(const vision::Target* value) const {
+    using Is = vision::Target::Kind;
+    if (kind.form == Kind::rectangle)
+      return value->kind == Is::rectangle ? rect_json(value->rectangle) : Json();
+    return value->kind == Is::disc ? circle_json(value->disc) : Json();
+  }
 };
 
 }  // namespace

@@ -21,6 +21,7 @@
 #include "apps/text/strict_toml.h"
 #include "model/scenario.h"
 #include "vision/picture.h"
+#include "vision/tracker.h"
 
 namespace tribotrack::apps {
 
@@ -30,11 +31,10 @@ struct Kind {
     number,
     above_zero,
     not_negative,
-    angle,      ///< rad: a number or a text, parse_angle()
-    sd,         ///< of the quantity before "_sd", above 0, and only beside it
-    sd_of_fit,  ///< the same, known only where a fit counts it (WithSd)
-    whole,      ///< from `least` to `most`
-    word,       ///< one of `words`
+    angle,  ///< rad: a number or a text, parse_angle()
+    sd,     ///< of the quantity before "_sd", above 0, and only beside it
+    whole,  ///< from `least` to `most`
+    word,   ///< one of `words`
     text,
     file,  ///< relative to the folder of the file that names it
     texts,
@@ -49,7 +49,7 @@ struct Kind {
   Kind(Form one) : form(one) {}
   static Kind wholes(int least, int most);
   static Kind one_of(std::vector<std::string> words);
-  bool is_sd() const { return form == sd || form == sd_of_fit; }
+  bool is_sd() const { return form == sd; }
 
   Form form;
   std::vector<std::string> words = {};
@@ -93,9 +93,10 @@ template <class T>
 struct Milli {
   T* value;  ///< in m or m/s, the key's in mm or mm/s
 };
-using Value = std::variant<double*, std::optional<double>*, Milli<double>, Milli<std::optional<double>>, int*,
-                           bool*, std::string*, std::optional<std::filesystem::path>*,
-                           std::optional<vision::Circle>*, std::optional<vision::Rect>*, model::Start*>;
+using Value =
+    std::variant<double*, std::optional<double>*, Milli<double>, Milli<std::optional<double>>, int*, bool*,
+                 std::string*, std::vector<std::string>*, std::optional<std::filesystem::path>*,
+                 std::optional<vision::Circle>*, vision::Target*, model::Start*>;
 
 /// Nothing where the table has no such key. Throws InvalidInput.
 std::optional<double> read_number(StrictTable& table, const Kind& kind, const std::string& name);
@@ -141,7 +142,7 @@ struct Own {
 template <class Section>
 struct Key : KeyFacts {
   using Place = std::variant<Value (*)(Section&), Own<Section>>;
-  Key(std::string key, Kind what, Place where, std::string written_as, std::string means = "",
+  Key(std::string key, Kind what, Place where, std::string written_as = "", std::string means = "",
       std::string needs = "")
       : KeyFacts{std::move(key), std::move(what), std::move(written_as), std::move(means), std::move(needs)},
         place(where) {}
@@ -160,9 +161,8 @@ using Keys = std::vector<Key<Section>>;
 /// that are not in the list are left to StrictTable::finish().
 template <class Section>
 void read_keys(StrictTable& table, const Keys<Section>& keys, Section& section,
-               const std::filesystem::path& folder = {}, WithSd with_sd = WithSd::yes) {
+               const std::filesystem::path& folder = {}) {
   for (const Key<Section>& key : keys) {
-    if (key.kind.form == Kind::sd_of_fit && with_sd == WithSd::no) continue;
     require_company(table, key);
     if constexpr (requires { section.digits; }) note_digits(table, key, section.digits);
     if (const auto value = key.value(section))

@@ -102,7 +102,6 @@ Json json_of(const vision::Audit& audit) {
   return {{"halves_x", optional_json(audit.halves_x)},
           {"halves_y", optional_json(audit.halves_y)},
           {"high_frequency", optional_json(audit.high_frequency)},
-          {"lag1", optional_json(audit.lag1)},
           {"frames", audit.frames},
           {"white_factor", audit.white_factor},
           {"slow_sd_px", audit.slow_sd},
@@ -155,19 +154,6 @@ std::string holder_in(const fs::path& file) {
   return holder.empty() ? "another process" : holder;
 }
 
-/// Moves files to the same places below another folder, over what is there.
-void move_files(const std::vector<fs::path>& files, const fs::path& from, const fs::path& to) {
-  for (const fs::path& file : files) {
-    const fs::path target = to / file.lexically_relative(from);
-    std::error_code error;
-    fs::create_directories(target.parent_path(), error);
-    if (!error) fs::rename(file, target, error);
-    if (error)
-      throw InvalidInput(fmt::format("{}: cannot be moved to {}: {}; move it away, or give another folder",
-                                     file.string(), target.string(), error.message()));
-  }
-}
-
 /// Is the open file still the one of that name? Whoever ends removes its lock file.
 bool is_current(int descriptor, const fs::path& file) {
   struct stat open {
@@ -193,27 +179,10 @@ std::vector<std::string> RunFolder::runs() const {
 
 std::vector<fs::path> RunFolder::files_of(const std::string& run) const {
   std::vector<fs::path> files;
-  // The meta file last: until it has moved, the run is seen as one that is to be moved.
-  for (const fs::path& file : {first_frame(run), overlay(run), overlay_video(run), measurement(run),
-                               track(run), fs::path(track(run).string() + ".meta.json")})
+  for (const fs::path& file : {first_frame(run), overlay(run), measurement(run), track(run),
+                               fs::path(track(run).string() + ".meta.json")})
     if (fs::exists(file)) files.push_back(file);
   return files;
-}
-
-std::vector<std::string> RunFolder::put_aside_all_but(const std::vector<std::string>& names) const {
-  std::vector<std::string> others;
-  for (const std::string& run : runs())
-    if (std::find(names.begin(), names.end(), run) == names.end()) others.push_back(run);
-  for (const std::string& run : others) move_files(files_of(run), root, aside().root);
-  return others;
-}
-
-void RunFolder::take_back(const std::vector<std::string>& names) const {
-  for (const std::string& run : names)
-    if (!fs::exists(track(run))) move_files(aside().files_of(run), aside().root, root);
-  std::error_code in_use;
-  for (const fs::path& folder : {aside().tracks(), aside().measurements(), aside().root})
-    fs::remove(folder, in_use);
 }
 
 std::vector<fs::path> RunFolder::files_of_report() const {
@@ -227,7 +196,7 @@ std::vector<fs::path> RunFolder::files_of_report() const {
 RunFolderLock::RunFolderLock(const RunFolder& folder, const fs::path& campaign, bool wait)
     : file_(folder.lock()) {
   while (true) {
-    for (const fs::path& made : create_folder(folder.root)) made_.push_back(made);
+    create_folder(folder.root);
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor_ < 0) {
       if (errno == ENOENT) continue;  // its folder was removed by a run that came to nothing
@@ -245,8 +214,8 @@ RunFolderLock::RunFolderLock(const RunFolder& folder, const fs::path& campaign, 
     if (is_current(descriptor_, file_)) break;
     ::close(descriptor_);
   }
-  for (const fs::path& folder_of_files : {folder.tracks(), folder.measurements()})
-    for (const fs::path& made : create_folder(folder_of_files)) made_.push_back(made);
+  create_folder(folder.tracks());
+  create_folder(folder.measurements());
   const std::string holder = this_process(campaign) + "\n";
   if (::ftruncate(descriptor_, 0) != 0 ||
       ::write(descriptor_, holder.data(), holder.size()) != static_cast<::ssize_t>(holder.size())) {
@@ -260,7 +229,9 @@ RunFolderLock::RunFolderLock(const RunFolder& folder, const fs::path& campaign, 
 RunFolderLock::~RunFolderLock() {
   std::error_code ignored;
   fs::remove(file_, ignored);
-  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) fs::remove(*folder, ignored);
+  const RunFolder folder{file_.parent_path()};
+  for (const fs::path& empty : {folder.measurements(), folder.tracks(), folder.root})
+    fs::remove(empty, ignored);
   ::close(descriptor_);
 }
 

@@ -56,7 +56,6 @@ Json rect_json(const std::optional<vision::Rect>& rect);
 ///   tracks/NAME.csv, NAME.png (overlay), NAME.first.jpg (first analysed frame, reduced);
 ///     NAME.log where a job of its own (`track --campaign`) could not make the track: why
 ///   measurements/NAME.json
-///   aside/ the same of runs that have left the campaign
 ///   .lock while a `run` is writing
 /// and a meta file beside each table and fit.json.
 struct RunFolder {
@@ -72,7 +71,6 @@ struct RunFolder {
     return track.replace_extension(".log");
   }
   std::filesystem::path overlay(const std::string& name) const { return tracks() / (name + ".png"); }
-  std::filesystem::path overlay_video(const std::string& name) const { return tracks() / (name + ".mp4"); }
   std::filesystem::path first_frame(const std::string& name) const {
     return tracks() / (name + ".first.jpg");
   }
@@ -87,25 +85,18 @@ struct RunFolder {
   std::filesystem::path text() const { return root / "report.txt"; }
   std::filesystem::path log() const { return root / "run.json"; }
   std::filesystem::path lock() const { return root / ".lock"; }
-  RunFolder aside() const { return {root / "aside"}; }
 
   /// The files here that a report is made from.
   std::vector<std::filesystem::path> files_of_report() const;
-  /// What is there of a run, its meta file last.
+  /// What is there of a run.
   std::vector<std::filesystem::path> files_of(const std::string& run) const;
-  /// Moves what belongs to runs that are none of `names` into aside(), where a table of tracks/*.csv does not
-  /// find it. Only what has a meta file is a run's. Returns their names, in order. Throws InvalidInput.
-  std::vector<std::string> put_aside_all_but(const std::vector<std::string>& names) const;
-  /// Moves what belongs to these runs back from aside(), unless they have newer results. Throws InvalidInput.
-  void take_back(const std::vector<std::string>& names) const;
-
- private:
+  /// Those with a track, whether they belong to the campaign or have left it.
   std::vector<std::string> runs() const;
 };
 
 /// The right to write into a run folder, for one process at a time: an advisory lock on DIR/.lock, which the
 /// kernel lets go when the process ends, however it ends. Makes the folder and those inside it where they are
-/// missing; at the end those it made go again if they are still empty.
+/// missing; at the end those that are empty go.
 class RunFolderLock {
  public:
   /// Where another process holds it, waits, or throws InvalidInput at once, naming process, host and
@@ -117,7 +108,6 @@ class RunFolderLock {
 
  private:
   std::filesystem::path file_;
-  std::vector<std::filesystem::path> made_;
   int descriptor_ = -1;
 };
 

@@ -66,9 +66,9 @@ void refuse_other_units(const StrictTable& table, double gravity) {
 
 }  // namespace
 
-PlatformSection read_platform(StrictTable& table, WithSd with_sd) {
+PlatformSection read_platform(StrictTable& table) {
   PlatformSection platform;
-  read_keys(table, platform_keys(), platform, {}, with_sd);
+  read_keys(table, platform_keys(), platform);
   refuse_other_units(table, platform.gravity);
   for (const auto& [key, tilt] :
        {std::pair{"tilt_x_rad", platform.tilt_x}, std::pair{"tilt_y_rad", platform.tilt_y}})
@@ -176,15 +176,11 @@ const Keys<ScenarioFile>& scenario_parameters() {
 ScenarioFile read_scenario_tables(StrictTable& top) {
   ScenarioFile file;
   if (auto table = top.table("platform")) {
-    const PlatformSection platform = read_platform(*table, WithSd::no);
-    auto& drive = file.scenario.drive;
-    drive.amplitude = platform.amplitude.value_or(drive.amplitude);
-    drive.amplitude_y = platform.amplitude_y.value_or(drive.amplitude);
-    drive.angular_frequency = platform.angular_frequency.value_or(drive.angular_frequency);
-    drive.phase_shift = platform.phase_shift.value_or(drive.phase_shift);
-    drive.gravity = platform.gravity;
-    drive.tilt_x = platform.tilt_x;
-    drive.tilt_y = platform.tilt_y;
+    model::Drive& drive = file.scenario.drive;
+    read_keys(*table, platform_parameters(), file);
+    if (!table->has("amplitude_y_mm")) drive.amplitude_y = drive.amplitude;
+    refuse_other_units(*table, drive.gravity);
+    table->finish();
   }
   if (auto table = top.table("friction")) {
     read_keys(*table, friction_parameters(), file);
@@ -273,25 +269,6 @@ std::optional<double> default_of(const Key<ScenarioFile>& parameter) {
   const Json defaults = json_of(model::Scenario());
   if (parameter.name == "amplitude_y_mm" || !defaults.contains(parameter.name)) return std::nullopt;
   return defaults[parameter.name].get<double>();
-}
-
-model::Scenario scenario_from(const Json& json) {
-  const JsonPlace place{json, ""};
-  constexpr double most_cycles = 1e6;  // as in a campaign
-  ScenarioFile file;
-  try {
-    // In the order written: amplitude_mm sets both axes, amplitude_y_mm after it corrects the second.
-    for (const auto& [name, value] : place.object().value.items())
-      if (name != "start") set_scenario_parameter(file, name, place.at(name).number());
-    file.scenario.start = parse_start(place.at("start").text());
-    file.scenario.validate();
-  } catch (const UsageError&) {
-    place.refuse("a scenario");
-  } catch (const model::InvalidParameter&) {
-    place.refuse("a scenario that can be computed");
-  }
-  if (file.scenario.cycles > most_cycles) place.at("cycles").refuse("1000000 or less");
-  return file.scenario;
 }
 
 }  // namespace tribotrack::apps

@@ -22,8 +22,8 @@ void require_kind(const StrictTable& top, TomlKind wanted, const std::string& fi
 
 // SCENARIO.toml: one run of the friction model, and what to sweep it over.
 
-/// [platform] as campaigns and scenarios share it. SI. Lengths and frequency may be left to be measured. The
-/// standard deviations are a campaign's; a value without one has its default_sd().
+/// [platform] of a campaign. SI. Lengths and frequency may be left to be measured; a value without a standard
+/// deviation has its default_sd().
 struct PlatformSection {
   std::optional<double> amplitude, amplitude_y;  ///< m
   std::optional<double> angular_frequency;       ///< rad/s
@@ -34,7 +34,7 @@ struct PlatformSection {
       tilt_x_sd, tilt_y_sd;
   Digits digits = {};  ///< of what is given
 };
-PlatformSection read_platform(StrictTable& table, WithSd with_sd);
+PlatformSection read_platform(StrictTable& table);
 
 /// One run of the model, and [sweep] over = ["NAME=FROM:TO:COUNT", ...].
 struct ScenarioFile {
@@ -63,7 +63,5 @@ std::string scenario_parameter_named(const std::string& name);
 
 model::Start parse_start(const std::string& word);
 Json json_of(const model::Scenario& scenario);
-/// Back from json_of.
-model::Scenario scenario_from(const Json& json);
 
 }  // namespace tribotrack::apps

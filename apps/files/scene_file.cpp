@@ -12,49 +12,79 @@ namespace tribotrack::apps {
 
 namespace {
 
-template <class T>
-void take(T& target, const std::optional<double>& value) {
-  if (value) target = static_cast<T>(*value);
+using S = SceneShot;
+using vision::Scene, vision::DiscAppearance, vision::PlatformAppearance;
+
+const Keys<S>& video_keys() {
+  static const Keys<S> keys = {{"width", Kind::wholes(8, 16384), at<&S::scene, &Scene::width>},
+                               {"height", Kind::wholes(8, 16384), at<&S::scene, &Scene::height>},
+                               {"bits", Kind::wholes(8, 12), at<&S::scene, &Scene::bits>},
+                               {"frame_rate_hz", Kind::above_zero, at<&S::frame_rate_hz>},
+                               {"exposure_s", Kind::above_zero, at<&S::exposure_s>},
+                               {"frames", Kind::wholes(0, 1'000'000'000), at<&S::frames>},
+                               {"crf", Kind::wholes(0, 51), at<&S::sink, &vision::SinkOptions::crf>}};
+  return keys;
+}
+
+const Keys<S>& view_keys() {
+  static const Keys<S> keys = {{"mm_per_px", Kind::above_zero, at<&S::mm_per_px>},
+                               {"xi_axis_rad", Kind::angle, at<&S::xi_axis_rad>},
+                               {"vignetting", Kind::not_negative, at<&S::scene, &Scene::vignetting>},
+                               {"flicker", Kind::not_negative, at<&S::scene, &Scene::flicker>},
+                               {"flicker_hz", Kind::above_zero, at<&S::scene, &Scene::flicker_hz>},
+                               {"read_noise", Kind::not_negative, at<&S::scene, &Scene::read_noise>},
+                               {"shot_noise", Kind::not_negative, at<&S::scene, &Scene::shot_noise>}};
+  return keys;
+}
+
+const Keys<S>& disc_keys() {
+  using D = DiscAppearance;
+  static const Keys<S> keys = {
+      {"radius_px", Kind::above_zero, at<&S::scene, &Scene::disc, &D::radius_px>},
+      {"theta_rad", Kind::angle, at<&S::theta_rad>},
+      {"spin_rad_s", Kind::number, at<&S::spin_rad_s>},
+      {"level", Kind::number, at<&S::scene, &Scene::disc, &D::level>},
+      {"edge_blur_px", Kind::above_zero, at<&S::scene, &Scene::disc, &D::edge_blur_px>},
+      {"scratches", Kind::wholes(0, 10000), at<&S::scene, &Scene::disc, &D::scratches>},
+      {"scratch_contrast", Kind::number, at<&S::scene, &Scene::disc, &D::scratch_contrast>},
+      {"highlight", Kind::number, at<&S::scene, &Scene::disc, &D::highlight>}};
+  return keys;
+}
+
+const Keys<PlatformAppearance>& surface_keys() {
+  using P = PlatformAppearance;
+  static const Keys<P> keys = {{"level", Kind::number, at<&P::level>},
+                               {"texture_rms", Kind::not_negative, at<&P::texture_rms>},
+                               {"brush_angle_rad", Kind::angle, at<&P::brush_angle_rad>},
+                               {"texture_length_px", Kind::above_zero, at<&P::texture_length_px>},
+                               {"texture_width_px", Kind::above_zero, at<&P::texture_width_px>}};
+  return keys;
+}
+
+const Keys<vision::MarkerAppearance>& mark_keys() {
+  using M = vision::MarkerAppearance;
+  static const Keys<M> keys = {{"radius_px", Kind::above_zero, at<&M::radius_px>},
+                               {"level", Kind::number, at<&M::level>},
+                               {"ring_level", Kind::number, at<&M::ring_level>}};
+  return keys;
+}
+
+const Keys<vision::Lamp>& lamp_keys() {
+  using L = vision::Lamp;
+  static const Keys<L> keys = {{"radius_px", Kind::above_zero, at<&L::radius_px>},
+                               {"on_level", Kind::number, at<&L::on_level>},
+                               {"off_level", Kind::number, at<&L::off_level>}};
+  return keys;
 }
 
 void read_video(StrictTable& table, SceneShot& shot) {
-  const auto size = [&](const char* key, int fallback) {
-    const auto value = table.integer(key).value_or(fallback);
-    if (value < 8 || value > 16384)
-      table.fail(key, fmt::format("must be between 8 and 16384, not {}", value));
-    return static_cast<int>(value);
-  };
-  shot.scene.width = size("width", shot.scene.width);
-  shot.scene.height = size("height", shot.scene.height);
-  const auto bits = table.integer("bits").value_or(8);
-  if (bits != 8 && bits != 10 && bits != 12)
+  read_keys(table, video_keys(), shot);
+  if (const int bits = shot.scene.bits; bits != 8 && bits != 10 && bits != 12)
     table.fail("bits", fmt::format("must be 8, 10 or 12, not {}", bits));
-  shot.scene.bits = static_cast<int>(bits);
-  take(shot.frame_rate_hz, table.positive("frame_rate_hz"));
-  take(shot.exposure_s, table.positive("exposure_s"));
   if (shot.exposure_s * shot.frame_rate_hz > 1)
     table.fail("exposure_s", "is longer than the time between two frames");
-  const auto frames = table.integer("frames").value_or(0);
-  if (frames < 0) table.fail("frames", "must not be negative");
-  shot.frames = static_cast<long>(frames);
-  using vision::Codec;
   const auto codec = table.choice("codec", {"automatic", "cine", "ffv1", "mjpeg", "h264", "png", "tiff"});
-  if (codec) shot.sink.codec = static_cast<Codec>(*codec);
-  const auto quality = table.integer("crf").value_or(18);
-  if (quality < 0 || quality > 51) table.fail("crf", "must be between 0 (lossless) and 51");
-  shot.sink.crf = static_cast<int>(quality);
-  table.finish();
-}
-
-void read_camera(StrictTable& table, SceneShot& shot) {
-  take(shot.mm_per_px, table.positive("mm_per_px"));
-  take(shot.xi_axis_rad, table.angle("xi_axis_rad"));
-  take(shot.scene.vignetting, table.not_negative("vignetting"));
-  take(shot.scene.flicker, table.not_negative("flicker"));
-  take(shot.scene.flicker_hz, table.positive("flicker_hz"));
-  take(shot.scene.read_noise, table.not_negative("read_noise"));
-  take(shot.scene.shot_noise, table.not_negative("shot_noise"));
-  table.finish();
+  if (codec) shot.sink.codec = static_cast<vision::Codec>(*codec);
 }
 
 std::optional<vision::Point> read_point(StrictTable& table, const char* key) {
@@ -64,58 +94,23 @@ std::optional<vision::Point> read_point(StrictTable& table, const char* key) {
 }
 
 void read_disc(StrictTable& table, SceneShot& shot) {
-  auto& disc = shot.scene.disc;
+  read_keys(table, disc_keys(), shot);
   const auto diameter = table.positive("diameter_mm");
-  const auto radius = table.positive("radius_px");
-  if (diameter && radius) table.fail("radius_px", "and `diameter_mm` mean the same; give one of them");
-  if (diameter) disc.radius_px = *diameter / (2 * shot.mm_per_px);
-  if (radius) disc.radius_px = *radius;
+  if (diameter && table.has("radius_px"))
+    table.fail("radius_px", "and `diameter_mm` mean the same; give one of them");
+  if (diameter) shot.scene.disc.radius_px = *diameter / (2 * shot.mm_per_px);
   shot.start_px = read_point(table, "start_px");
-  take(shot.theta_rad, table.angle("theta_rad"));
-  take(shot.spin_rad_s, table.number("spin_rad_s"));
-  take(disc.level, table.number("level"));
-  take(disc.edge_blur_px, table.positive("edge_blur_px"));
-  const auto scratches = table.not_negative("scratches");
-  if (scratches.value_or(0) > 10000)
-    table.fail("scratches", fmt::format("must be between 0 and 10000, not {}", *scratches));
-  take(disc.scratches, scratches);
-  take(disc.scratch_contrast, table.number("scratch_contrast"));
-  take(disc.highlight, table.number("highlight"));
-  disc.visible = table.boolean("visible").value_or(true);
-  table.finish();
+  shot.scene.disc.visible = table.boolean("visible").value_or(true);
 }
 
-void read_surface(StrictTable& table, vision::PlatformAppearance& surface) {
-  take(surface.level, table.number("level"));
-  take(surface.texture_rms, table.not_negative("texture_rms"));
-  take(surface.brush_angle_rad, table.angle("brush_angle_rad"));
-  take(surface.texture_length_px, table.positive("texture_length_px"));
-  take(surface.texture_width_px, table.positive("texture_width_px"));
-  table.finish();
-}
-
-vision::MarkerAppearance read_marker(StrictTable& table) {
-  vision::MarkerAppearance marker;
+/// Of a marker or a lamp.
+template <class Thing>
+void read_thing(StrictTable& table, const Keys<Thing>& keys, std::optional<Thing>& thing) {
+  thing.emplace();
+  read_keys(table, keys, *thing);
   const auto position = read_point(table, "position_px");
-  if (!position) table.fail("position_px", "is missing: the marker's centre, [x, y]");
-  marker.position = *position;
-  take(marker.radius_px, table.positive("radius_px"));
-  take(marker.level, table.number("level"));
-  take(marker.ring_level, table.number("ring_level"));
-  table.finish();
-  return marker;
-}
-
-vision::Lamp read_lamp(StrictTable& table) {
-  vision::Lamp lamp;
-  const auto position = read_point(table, "position_px");
-  if (!position) table.fail("position_px", "is missing: the lamp's centre, [x, y]");
-  lamp.position = *position;
-  take(lamp.radius_px, table.positive("radius_px"));
-  take(lamp.on_level, table.number("on_level"));
-  take(lamp.off_level, table.number("off_level"));
-  table.finish();
-  return lamp;
+  if (!position) table.fail("position_px", "is missing: its centre, [x, y]");
+  thing->position = *position;
 }
 
 SceneShot shot_of(StrictTable table, const SceneShot& base) {
@@ -148,13 +143,18 @@ std::vector<SceneShot> read_scene_file(const std::filesystem::path& file) {
   SceneShot base;
   base.motion = read_scenario_tables(top);
   base.scene.seed = static_cast<std::uint64_t>(top.integer("seed").value_or(1));
-  if (auto table = top.table("camera"))
-    read_camera(*table, base);  // before the disc: its diameter needs the scale
-  if (auto table = top.table("video")) read_video(*table, base);
-  if (auto table = top.table("disc")) read_disc(*table, base);
-  if (auto table = top.table("surface")) read_surface(*table, base.scene.platform);
-  if (auto table = top.table("marker")) base.scene.marker = read_marker(*table);
-  if (auto table = top.table("lamp")) base.scene.lamp = read_lamp(*table);
+  const auto section = [&](const char* name, const auto& read) {
+    if (auto table = top.table(name)) {
+      read(*table);
+      table->finish();
+    }
+  };
+  section("camera", [&](StrictTable& table) { read_keys(table, view_keys(), base); });
+  section("video", [&](StrictTable& table) { read_video(table, base); });
+  section("disc", [&](StrictTable& table) { read_disc(table, base); });  // its diameter needs the scale
+  section("surface", [&](StrictTable& table) { read_keys(table, surface_keys(), base.scene.platform); });
+  section("marker", [&](StrictTable& table) { read_thing(table, mark_keys(), base.scene.marker); });
+  section("lamp", [&](StrictTable& table) { read_thing(table, lamp_keys(), base.scene.lamp); });
   std::vector<SceneShot> shots;
   for (StrictTable& table : top.tables("shot")) shots.push_back(shot_of(table, base));
   top.finish();
@@ -170,20 +170,12 @@ std::vector<SceneShot> read_scene_file(const std::filesystem::path& file) {
 }
 
 Json json_of(const SceneShot& shot) {
-  const vision::Scene& s = shot.scene;
   Json json = json_of(shot.motion.scenario);
-  json["width"] = s.width;
-  json["height"] = s.height;
-  json["bits"] = s.bits;
-  json["frame_rate_hz"] = shot.frame_rate_hz;
-  json["exposure_s"] = shot.exposure_s;
-  json["mm_per_px"] = shot.mm_per_px;
-  json["xi_axis_rad"] = shot.xi_axis_rad;
-  json["disc_radius_px"] = s.disc.radius_px;
-  json["read_noise"] = s.read_noise;
-  json["shot_noise"] = s.shot_noise;
-  json["texture_rms"] = s.platform.texture_rms;
-  json["seed"] = s.seed;
+  json.update(written(video_keys(), shot));
+  json.update(written(view_keys(), shot));
+  json["disc_radius_px"] = shot.scene.disc.radius_px;
+  json["texture_rms"] = shot.scene.platform.texture_rms;
+  json["seed"] = shot.scene.seed;
   return json;
 }
 

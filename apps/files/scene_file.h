@@ -22,7 +22,7 @@ struct SceneShot {
   double xi_axis_rad = 0;
   double frame_rate_hz = 250;
   double exposure_s = 0.5e-3;
-  long frames = 0;  ///< [video] frames, else as many as the run's cycles need
+  int frames = 0;  ///< [video] frames, else as many as the run's cycles need
   vision::SinkOptions sink;
   std::optional<vision::Point>
       start_px;  ///< the disc's centre at the start; empty: so that its path is centred in the picture

@@ -98,16 +98,10 @@ std::optional<double> number_at(const JsonPlace& place, const char* key) {
   return found ? std::optional(found->number()) : std::nullopt;
 }
 
-/// A track of an older version has their sum alone.
-std::vector<vision::SlowPart> slow_from(const JsonPlace& meta, const JsonPlace& summary) {
+std::vector<vision::SlowPart> slow_from(const JsonPlace& meta) {
   std::vector<vision::SlowPart> slow;
-  if (const auto parts = meta.find("slow_errors")) {
-    for (const JsonPlace& part : parts->items())
-      slow.push_back({part.text("from"), part.at("sd_px").number(), part.at("time_s").number()});
-    return slow;
-  }
-  if (const double sd = summary.number("slow_sd_px", 0); sd > 0)
-    slow.push_back({"all", sd, summary.number("slow_time_s", 0)});
+  for (const JsonPlace& part : meta.items("slow_errors"))
+    slow.push_back({part.text("from"), part.at("sd_px").number(), part.at("time_s").number()});
   return slow;
 }
 
@@ -116,7 +110,6 @@ vision::Audit audit_from(const JsonPlace& json) {
   audit.halves_x = number_at(json, "halves_x");
   audit.halves_y = number_at(json, "halves_y");
   audit.high_frequency = number_at(json, "high_frequency");
-  audit.lag1 = number_at(json, "lag1");
   audit.frames = json.whole("frames", 0);
   audit.white_factor = json.number("white_factor", 1);
   audit.slow_sd = json.number("slow_sd_px", 0);
@@ -149,7 +142,7 @@ Track track_from(const JsonPlace& meta) {
   track.gate_clipped_share = summary.number("gate_clipped_share", 0);
   track.disc_radius_common_sd_px = summary.number("disc_radius_common_sd_px", 0);
   if (const auto disc = summary.find("disc_px")) track.disc_radius_px = disc->at(2).number();
-  track.slow = slow_from(meta, summary);
+  track.slow = slow_from(meta);
   track.audit = audit_from(section("audit"));
   if (const auto coding = meta.find("coding")) {
     track.coding.emplace().coder = coding->text("coder");

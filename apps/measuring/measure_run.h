@@ -12,18 +12,13 @@
 
 namespace tribotrack::apps {
 
-/// How an oscilloscope's time is tied to the camera's.
-enum class ScopeTie {
-  sensor,   ///< not at all: phi counts from the reference sensor's pulses
-  trigger,  ///< both saw one trigger
-  lamp,     ///< the lamp in the picture gives phi, the trace dtau
-};
-
 /// A run's oscilloscope trace, read and searched for its events.
 struct ScopeEvidence {
   fit::ScopeEvents events;
   std::optional<fit::SensorClock> sensor;
-  ScopeTie tie = ScopeTie::sensor;
+  /// How its time is tied to the camera's: "sensor": not at all, phi counts from the reference sensor's
+  /// pulses; "trigger": both saw one trigger; "lamp": the lamp in the picture gives phi, the trace dtau.
+  std::string tie = "sensor";
   std::optional<double> trigger_time;  ///< s, of the oscilloscope's zero in the camera's time
   double tie_sd = 0;                   ///< s
 };
@@ -34,7 +29,7 @@ struct GivenConditions {
   std::optional<double> angular_frequency;  ///< rad/s
   std::optional<double> phase_shift;        ///< rad
   std::optional<double> phase_at_zero;      ///< rad
-  std::optional<double> phi, dtau;          ///< rad, as commanded: only compared with what is seen
+  std::optional<double> dtau;               ///< rad, as commanded: only compared with what is seen
   std::optional<ScopeEvidence> scope;
   int cycles = 20;
 };

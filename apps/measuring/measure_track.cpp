@@ -11,7 +11,6 @@
 
 #include "apps/measuring/likely_slip.h"
 #include "apps/measuring/measure_run.h"
-#include "apps/measuring/measure_text.h"
 #include "apps/measuring/track_motion.h"
 #include "apps/program/errors.h"
 #include "apps/text/number_text.h"
@@ -83,9 +82,7 @@ double slow_curvature_sd(double sd, double correlation, double time) {
   return sd * std::sqrt(720 / independent) / (time * time);
 }
 
-}  // namespace
-
-SlideMeasurement measure_slide(const std::string& name, const Track& track, double gravity) {
+fit::FitResult fitted_slide(const std::string& name, const Track& track, double gravity) {
   fit::Problem problem;
   problem.free = {fit::FitParameter::mu1};
   fit::TrajectoryRun run;
@@ -97,42 +94,32 @@ SlideMeasurement measure_slide(const std::string& name, const Track& track, doub
   problem.trajectory_runs = {run};
   fit::FitOptions options;
   options.profiles = options.next_experiment = false;
-  const fit::FitResult fit = fit::estimate(problem, options);
-
-  SlideMeasurement m;
-  m.slide = fit.slides.front();
-  m.gravity = gravity;
-  const double scale = track.mm_per_px ? track.mm_per_px_sd.value_or(0) / *track.mm_per_px : 0;
-  const double deceleration = m.slide.mu1.value * gravity;
-  m.deceleration = {deceleration, std::hypot(m.slide.mu1.sd * gravity, scale * deceleration)};
-  m.stop_seen = m.slide.stop_time < track.table.time.back();
-  const double start = fit.runs.front().nuisance.at("onset_time_s");
-  const double seen = std::min(m.slide.stop_time, fit.runs.front().nuisance.at("end_time_s")) - start;
-  for (const fit::SlowError& slow : track.table.slow)
-    m.deceleration_slow_sd = std::hypot(m.deceleration_slow_sd, slow_curvature_sd(slow.sd, slow.time, seen));
-  m.warnings = fit.warnings;
-  if (fit.agreement == fit::Agreement::poor || fit.agreement == fit::Agreement::only_with_scatter)
-    m.warnings.push_back(
-        fmt::format("{}: the deceleration is not constant within the track's errors (chi2 {:.3g} at "
-                    "{} degrees of freedom); the sd counts the scatter",
-                    name, m.slide.chi2, m.slide.dof));
-  return m;
+  return fit::estimate(problem, options);
 }
 
-Json slide_measurement_json(const SlideMeasurement& m, const Track& track) {
-  Json json = m.slide;
+/// The object `measure --json` prints of a free slide: mu1 g is the deceleration of the sliding part before
+/// any spin spares it friction.
+Json slide_json(const fit::FitResult& fit, const Track& track, double gravity,
+                const std::vector<std::string>& warnings) {
+  const fit::SlideResult& slide = fit.slides.front();
+  const auto& nuisance = fit.runs.front().nuisance;
+  const double scale = track.mm_per_px ? track.mm_per_px_sd.value_or(0) / *track.mm_per_px : 0;
+  const double deceleration = slide.mu1.value * gravity;
+  const double seen = std::min(slide.stop_time, nuisance.at("end_time_s")) - nuisance.at("onset_time_s");
+  double slow_sd = 0;  // of the track's slow errors
+  for (const fit::SlowError& slow : track.table.slow)
+    slow_sd = std::hypot(slow_sd, slow_curvature_sd(slow.sd, slow.time, seen));
+  Json json = slide;
   json.erase("name");
   json["kind"] = "free_slide";
-  json["deceleration_mm_s2"] = finite_json(m.deceleration.value * 1e3);
-  json["deceleration_mm_s2_sd"] = finite_json(m.deceleration.sd * 1e3);
-  json["deceleration_mm_s2_slow_sd"] = finite_json(m.deceleration_slow_sd * 1e3);
-  json["gravity_m_s2"] = m.gravity;
-  json["stop_seen"] = m.stop_seen;
-  put_recording(json, track, m.warnings);
+  json["deceleration_mm_s2"] = finite_json(deceleration * 1e3);
+  json["deceleration_mm_s2_sd"] = finite_json(std::hypot(slide.mu1.sd * gravity, scale * deceleration) * 1e3);
+  json["deceleration_mm_s2_slow_sd"] = finite_json(slow_sd * 1e3);
+  json["gravity_m_s2"] = gravity;
+  json["stop_seen"] = slide.stop_time < track.table.time.back();
+  put_recording(json, track, warnings);
   return json;
 }
-
-namespace {
 
 GivenConditions given_by(const MeasureChoices& choices) {
   if (choices.omega_rad_s && !(*choices.omega_rad_s > 0))
@@ -151,9 +138,9 @@ GivenConditions given_by(const MeasureChoices& choices) {
 }
 
 void put_motion(const TrackMotion& motion, TrackMeasurement& result) {
-  result.json["motion"] = fit::to_string(motion.shown.kind);
-  result.json["motion_sentence"] = motion.sentence;
-  result.text = motion_text(motion) + result.text;
+  Json json = {{"motion", fit::to_string(motion.shown.kind)}, {"motion_sentence", motion.sentence}};
+  json.update(result.json);
+  result.json = std::move(json);
 }
 
 /// What a track shows that is neither of a drive known nor of a slide: no friction follows from it.
@@ -189,19 +176,25 @@ TrackMeasurement measure_free_slide(const std::string& name, const Track& track,
       return result;
     }
   }
-  const SlideMeasurement m = measure_slide(name, track, gravity);
-  TrackMeasurement result{slide_measurement_json(m, track),
-                          slide_measurement_text(m, track),
-                          m.warnings,
+  const fit::FitResult fit = fitted_slide(name, track, gravity);
+  const fit::SlideResult& slide = fit.slides.front();
+  std::vector<std::string> warnings = fit.warnings;
+  if (fit.agreement == fit::Agreement::poor || fit.agreement == fit::Agreement::only_with_scatter)
+    warnings.push_back(
+        fmt::format("{}: the deceleration is not constant within the track's errors (chi2 {:.3g} at "
+                    "{} degrees of freedom); the sd counts the scatter",
+                    name, slide.chi2, slide.dof));
+  TrackMeasurement result{slide_json(fit, track, gravity, warnings),
+                          warnings,
                           {{"free_slide", true}, {"gravity_m_s2", gravity}},
                           ""};
-  if (!(m.slide.mu1.sd < kHardly * m.slide.mu1.value)) {
+  if (!(slide.mu1.sd < kHardly * slide.mu1.value)) {
     const Json configuration = result.configuration;
     result = motion_alone(name, track, motion);
     result.configuration = configuration;
     result.failure =
         fmt::format("{}: the part slows down by too little to tell mu1 (sd {:.2g}); film more of the way",
-                    name, m.slide.mu1.sd);
+                    name, slide.mu1.sd);
     return result;
   }
   put_motion(motion, result);
@@ -220,7 +213,6 @@ TrackMeasurement measure_track(const std::string& name, const Track& track, cons
   if (choices.gravity_m_s2)
     throw UsageError("--gravity-m-s2 belongs to free slides; this track shows a moving platform");
   TrackMeasurement result{measurement_json(measured, track),
-                          measurement_text(measured, track),
                           measured.warnings,
                           {{"omega_rad_s", optional_json(given.angular_frequency)}, {"cycles", given.cycles}},
                           ""};

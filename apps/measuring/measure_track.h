@@ -1,4 +1,4 @@
-// A free slide by itself: how fast the part slows down, when it stops, how fast it turns.
+// What `measure` makes of one track.
 #pragma once
 
 #include <optional>
@@ -7,26 +7,8 @@
 
 #include "apps/files/track_file.h"
 #include "apps/text/json.h"
-#include "fit/fit_result.h"
 
 namespace tribotrack::apps {
-
-struct SlideMeasurement {
-  fit::SlideResult slide;
-  double gravity = 9.81;            ///< m/s^2, by which mu1 follows from the deceleration
-  fit::Estimate deceleration;       ///< m/s^2, mu1 g: of the sliding part before any spin spares it friction
-  double deceleration_slow_sd = 0;  ///< m/s^2, of the track's slow errors; 0 where none were seen
-  bool stop_seen = false;           ///< the part rests before the track ends
-  std::vector<std::string> warnings;
-};
-
-/// Throws fit::DataError where the track shows no sliding; `name` stands in its message.
-SlideMeasurement measure_slide(const std::string& name, const Track& track, double gravity);
-
-/// The object `measure --json` prints of a free slide.
-Json slide_measurement_json(const SlideMeasurement& measurement, const Track& track);
-
-// What `measure` makes of one track: the motion of a driven part, or a free slide.
 
 /// Each a flag of the command line and a keyword in Python; empty: not given.
 struct MeasureChoices {
@@ -36,8 +18,7 @@ struct MeasureChoices {
 };
 
 struct TrackMeasurement {
-  Json json;         ///< the object `measure --json` prints
-  std::string text;  ///< the same for people
+  Json json;  ///< the object `measure --json` prints
   std::vector<std::string> warnings;
   Json configuration;   ///< for the meta file
   std::string failure;  ///< what fails its quality gate; empty: nothing

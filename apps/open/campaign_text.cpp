@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <toml++/toml.h>
 #include <algorithm>
 
 #include "apps/program/errors.h"
@@ -11,42 +12,34 @@ namespace tribotrack::apps {
 
 namespace {
 
-Json values_in(StrictTable& table);
-
-Json list_in(StrictTable& table, const std::string& key) {
-  const std::size_t count = table.count(key);
-  try {
-    return table.numbers(key, count).value();
-  } catch (const InvalidInput&) {
-  }
-  try {
-    return table.texts(key).value();
-  } catch (const InvalidInput&) {
-  }
-  Json list = Json::array();
-  for (StrictTable& one : table.tables(key)) list.push_back(values_in(one));
-  return list;
+/// Of a place that TOML has in a text: lines and columns count from 1, columns whole letters.
+std::size_t offset_of(std::string_view text, const toml::source_position& place) {
+  std::size_t at = 0;
+  for (toml::source_index line = 1; line < place.line; ++line) at = text.find('\n', at) + 1;
+  for (toml::source_index column = 1; column < place.column; ++column)
+    for (++at; at < text.size() && (text[at] & 0xC0) == 0x80;) ++at;
+  return at;
 }
 
-Json values_in(StrictTable& table) {
+std::string_view written(std::string_view text, const toml::node& node) {
+  const std::size_t begin = offset_of(text, node.source().begin);
+  return text.substr(begin, offset_of(text, node.source().end) - begin);
+}
+
+Json values_in(const toml::node& node, std::string_view text) {
   Json values = Json::object();
-  for (const std::string& key : table.keys()) {
-    if (table.is_table(key)) {
-      StrictTable inner = table.table(key).value();
-      values[key] = values_in(inner);
-    } else if (table.is_list(key)) {
-      values[key] = list_in(table, key);
-    } else {
-      values[key] = table.written(key);
-      if (values[key] == "") {
-        try {
-          values[key] = table.boolean(key).value();
-        } catch (const InvalidInput&) {  // an empty text, or a date, which no key takes
-        }
-      }
-    }
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [key, value] : *table) values[std::string(key.str())] = values_in(value, text);
+    return values;
   }
-  return values;
+  if (const toml::array* list = node.as_array()) {
+    values = Json::array();
+    for (const toml::node& item : *list)
+      values.push_back(item.is_number() ? Json(*item.value<double>()) : values_in(item, text));
+    return values;
+  }
+  if (const auto word = node.value<std::string>()) return *word;
+  return node.is_boolean() ? Json(*node.value<bool>()) : Json(std::string(written(text, node)));
 }
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -103,47 +96,32 @@ bool sets(std::string_view line, const std::string& key) {
   return next != line.npos && line[next] == '=';
 }
 
-/// Where the value that begins at `begin` ends: of brackets and quotes, at the last.
-std::size_t end_of_value(std::string_view text, std::size_t begin) {
-  int depth = 0;
-  char quote = 0;
-  std::size_t end = begin;
-  for (std::size_t k = begin; k < text.size(); ++k) {
-    const char c = text[k];
-    if (quote != 0) {
-      if (c == '\\' && quote == '"') ++k;
-      if (c == quote) quote = 0;
-    } else if (c == '"' || c == '\'') {
-      quote = c;
-    } else if (c == '#' || (c == '\n' && depth == 0)) {
-      if (c == '#' && depth > 0) {
-        k = std::min(text.find('\n', k), text.size());
-        continue;
-      }
-      break;
-    } else if (c == '[' || c == '{') {
-      ++depth;
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-    if (c != ' ' && c != '\t' && c != '\r') end = std::min(k + 1, text.size());
-  }
-  return end;
+/// The text with another value for the one that stands there. What `init` says of a guess behind it does not
+/// hold of what a person has written.
+std::string with_value(std::string text, const toml::node& old, const std::string& value) {
+  const std::size_t begin = offset_of(text, old.source().begin), end = offset_of(text, old.source().end),
+                    line_end = std::min(text.find('\n', end), text.size()),
+                    comment = std::min(text.find_first_not_of(" \t", end), line_end);
+  const std::string_view remark = std::string_view(text).substr(comment, line_end - comment);
+  const bool hint = remark.starts_with("# guess") || remark.find("fill it in") != remark.npos;
+  return text.replace(begin, (hint ? line_end : end) - begin, value);
 }
 
-/// "key = value   # comment" with another value: the comment stays where it stood, if there is room.
-std::string line_with(std::string_view line, const std::string& value) {
-  if (is_comment(line)) line = bare(line);
-  const std::size_t begin = std::min(line.find_first_not_of(" \t", line.find('=') + 1), line.size()),
-                    end = end_of_value(line, begin),
-                    remark = std::min(line.find_first_not_of(" \t", end), line.size());
-  const std::string set = std::string(line.substr(0, begin)) + value;
-  const std::string_view comment = line.substr(remark);
-  // What `init` says of a guess does not hold of what a person has written.
-  if (comment.empty() || comment.starts_with("# guess") || comment.find("fill it in") != comment.npos)
-    return set;
-  const std::size_t gap = std::min<std::size_t>(2, remark - end);
-  return fmt::format("{:<{}}{}", set, std::max(set.size() + gap, gap > 1 ? remark : 0), comment);
+/// A line that sets the key, live or as a comment, with another value.
+std::string line_with(std::string_view line, const CampaignEdit& edit) {
+  const std::string live(bare(line));
+  try {
+    const toml::table read = toml::parse(live);
+    if (const toml::node* old = read.get(edit.key)) return with_value(live, *old, edit.value);
+  } catch (const toml::parse_error&) {  // a comment may hold anything
+  }
+  return fmt::format("{} = {}", edit.key, edit.value);
+}
+
+/// The value that an edit is about; null where it is not there.
+const toml::node* value_at(const toml::table& file, const CampaignEdit& edit) {
+  const auto place = edit.section == "run" ? file["run"][edit.run] : file.at_path(edit.section);
+  return place[edit.key].node();
 }
 
 struct Block {
@@ -164,38 +142,42 @@ std::optional<Block> block_of(const std::vector<std::string>& lines, const Campa
   return found;
 }
 
-/// Into the lines of the section's block.
+/// Into the section's lines: where the key stands as a comment, else behind the last key.
 void set_in_block(std::vector<std::string>& lines, const Block& block, const CampaignEdit& edit) {
-  std::optional<std::size_t> live, remark;
   std::size_t last = block.begin;
   for (std::size_t k = block.begin + 1; k < block.end; ++k) {
+    if (is_comment(lines[k]) && sets(lines[k], edit.key)) {
+      lines[k] = line_with(lines[k], edit);
+      return;
+    }
     if (!is_comment(lines[k]) && bare(lines[k]).find('=') != std::string_view::npos) last = k;
-    if (!sets(lines[k], edit.key)) continue;
-    auto& found = is_comment(lines[k]) ? remark : live;
-    if (!found) found = k;
   }
-  if (edit.value.empty()) {
-    if (live) lines[*live] = "# " + lines[*live];
-    return;
+  lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(last) + 1,
+               fmt::format("{} = {}", edit.key, edit.value));
+}
+
+/// With a key that is not there yet.
+std::string with_key(const std::string& text, const CampaignEdit& edit) {
+  std::vector<std::string> lines = lines_of(text);
+  std::optional<Block> block = block_of(lines, edit);
+  if (block && is_comment(lines[block->begin])) lines[block->begin] = std::string(bare(lines[block->begin]));
+  if (!block) {  // before the runs, which are the last
+    const auto first =
+        std::ranges::find_if(lines, [](const std::string& line) { return is_heading(line, "[[run]]"); });
+    const auto at =
+        static_cast<std::size_t>(lines.insert(first, {"[" + edit.section + "]", ""}) - lines.begin());
+    block = Block{at, at + 1};
   }
-  if (live) {
-    // A list over several lines: all of them.
-    std::size_t end = *live + 1;
-    std::string whole = lines[*live];
-    const std::size_t begin = whole.find('=') + 1;
-    const auto open = [&] {
-      return std::ranges::count(whole, '[') > std::ranges::count(whole, ']') && end < block.end;
-    };
-    while (open()) whole += "\n" + lines[end++];
-    lines[*live] = end > *live + 1 ? whole.substr(0, begin) + " " + edit.value : line_with(whole, edit.value);
-    lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(*live) + 1,
-                lines.begin() + static_cast<std::ptrdiff_t>(end));
-  } else if (remark) {
-    lines[*remark] = line_with(lines[*remark], edit.value);
-  } else {
-    lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(last) + 1,
-                 fmt::format("{} = {}", edit.key, edit.value));
-  }
+  set_in_block(lines, *block, edit);
+  return text_of_lines(lines);
+}
+
+/// With the lines of a value as comments.
+std::string without(const std::string& text, const toml::node& old) {
+  std::vector<std::string> lines = lines_of(text);
+  for (toml::source_index line = old.source().begin.line; line <= old.source().end.line; ++line)
+    lines[line - 1].insert(0, "# ");
+  return text_of_lines(lines);
 }
 
 Json& place_in(Json& values, const CampaignEdit& edit) {
@@ -234,19 +216,12 @@ std::string with_edit(const std::string& text, const CampaignEdit& edit, const s
   else
     place[edit.key] = value_of(edit, name);
 
-  std::vector<std::string> lines = lines_of(text);
-  std::optional<Block> block = block_of(lines, edit);
-  if (block && is_comment(lines[block->begin]) && !edit.value.empty())
-    lines[block->begin] = std::string(bare(lines[block->begin]));
-  if (!block && !edit.value.empty()) {  // before the runs, which are the last
-    const auto first =
-        std::ranges::find_if(lines, [](const std::string& line) { return is_heading(line, "[[run]]"); });
-    const auto at = lines.insert(first, {"[" + edit.section + "]", ""});
-    block =
-        Block{static_cast<std::size_t>(at - lines.begin()), static_cast<std::size_t>(at - lines.begin()) + 1};
-  }
-  if (block) set_in_block(lines, *block, edit);
-  std::string changed = text_of_lines(lines);
+  const toml::table file = toml::parse(text);
+  const toml::node* old = value_at(file, edit);
+  if (!old && edit.value.empty()) return text;
+  const std::string changed = !old                 ? with_key(text, edit)
+                              : edit.value.empty() ? without(text, *old)
+                                                   : with_value(text, *old, edit.value);
   bool done = false;
   try {
     done = nlohmann::json(values_of_campaign(changed, name)) == nlohmann::json(wanted);  // in any order
@@ -263,8 +238,8 @@ std::string with_edit(const std::string& text, const CampaignEdit& edit, const s
 }  // namespace
 
 Json values_of_campaign(const std::string& text, const std::string& name) {
-  StrictTable table = StrictTable::parse(text, name);
-  return values_in(table);
+  StrictTable::parse(text, name);  // refuses what is no TOML
+  return values_in(toml::parse(text), text);
 }
 
 namespace {

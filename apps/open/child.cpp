@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <pty.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <termios.h>
@@ -57,16 +58,12 @@ struct Ends {
   }
   /// Progress is shown as it comes on a terminal alone.
   void terminal() {
-    std::array<char, 128> name{};
-    read = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
-    if (read < 0 || ::grantpt(read) != 0 || ::unlockpt(read) != 0 ||
-        ::ptsname_r(read, name.data(), name.size()) != 0)
-      throw std::runtime_error(std::strerror(errno));
-    write = ::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC);
     termios raw{};
-    if (write < 0 || ::tcgetattr(write, &raw) != 0) throw std::runtime_error(std::strerror(errno));
+    if (::openpty(&read, &write, nullptr, nullptr, nullptr) != 0 || ::tcgetattr(write, &raw) != 0)
+      throw std::runtime_error(std::strerror(errno));
     ::cfmakeraw(&raw);
     ::tcsetattr(write, TCSANOW, &raw);
+    for (const int end : {read, write}) ::fcntl(end, F_SETFD, FD_CLOEXEC);
   }
 };
 

@@ -44,10 +44,6 @@ std::string text_in(const Json& json, const char* key) {
   return found != json.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
-std::string circle_words(const vision::Circle& c) {
-  return fmt::format("{},{},{}", c.x, c.y, c.radius);
-}
-
 }  // namespace
 
 OpenSession::OpenSession(const fs::path& given, const Context& context) : context_(context) {
@@ -262,38 +258,21 @@ Words OpenSession::first_second(const std::string& name) {
   const std::lock_guard lock(one->mutex);
   if (!one->source) one->source = vision::open_source(one->path);
   const vision::SourceInfo& info = one->source->info();
-  const CameraSection& camera = campaign.camera;
-  const double rate = camera.frame_rate_hz.value_or(info.time_base.rate_hz.value_or(250));
+  const double rate = campaign.camera.frame_rate_hz.value_or(info.time_base.rate_hz.value_or(250));
   const std::int64_t first = run->first_frame.value_or(info.first_number),
                      last = std::min<std::int64_t>(first + std::max<std::int64_t>(10, std::llround(rate)),
                                                    info.first_number + info.frame_count - 1);
   const RunFolder look{fs::path(output_of(name_)) / "first_second"};
   create_folder(folder_ / look.tracks());
-  Words words = {
-      "track", video, "-o", look.track(name).string(), "--frames", fmt::format("{}:{}", first, last)};
-  const auto add = [&](const char* flag, const std::string& value) {
-    words.insert(words.end(), {flag, value});
-  };
-  if (camera.frame_rate_hz) add("--fps", fmt::format("{}", *camera.frame_rate_hz));
-  if (!camera.frame_rate_reason.empty()) add("--fps-reason", camera.frame_rate_reason);
-  if (camera.calibration)
-    add("--calibration", relative_to(*camera.calibration, folder_));
-  else if (const auto scale = run->mm_per_px ? run->mm_per_px : camera.mm_per_px)
-    add("--mm-per-px", fmt::format("{}", *scale));
-  else if (campaign.part.diameter_mm) {
-    add("--disc-diameter-mm", fmt::format("{}", *campaign.part.diameter_mm));
-    if (campaign.part.chamfer_mm) add("--chamfer-mm", fmt::format("{}", *campaign.part.chamfer_mm));
-  }
-  const auto rectangle = run->template_px ? run->template_px : camera.template_px;
-  if (rectangle)
-    add("--template",
-        fmt::format("{},{},{},{}", rectangle->x, rectangle->y, rectangle->width, rectangle->height));
-  else if (const auto disc = run->disc_px ? run->disc_px : camera.disc_px)
-    add("--disc", circle_words(*disc));
-  if (const auto mark = run->marker_px ? run->marker_px : camera.marker_px)
-    add("--marker", circle_words(*mark));
-  if (camera.gate_px) add("--gate", circle_words(*camera.gate_px));
-  return words;
+  return {"track",
+          "--campaign",
+          name_,
+          "--run",
+          name,
+          "--frames",
+          fmt::format("{}:{}", first, last),
+          "-o",
+          look.track(name).string()};
 }
 
 /// The command lines that the page may start: their words are the campaign's, and numbers and names of the

@@ -21,27 +21,11 @@ namespace tribotrack::apps {
 
 std::string escape_html(std::string_view text) {
   std::string escaped;
-  escaped.reserve(text.size());
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&#39;";
-        break;
-      default:
-        escaped += c;
-    }
+    constexpr std::string_view kSigns = "&<>\"'";
+    constexpr const char* kEntities[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
+    const std::size_t sign = kSigns.find(c);
+    escaped += sign == kSigns.npos ? std::string{c} : kEntities[sign];
   }
   return escaped;
 }
@@ -161,25 +145,6 @@ std::string sentence_html(std::string_view sentence) {
   return escape_html(text);
 }
 
-std::string plain_text(std::string_view html) {
-  static constexpr std::pair<std::string_view, char> entities[] = {
-      {"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&#39;", '\''}};
-  std::string text;
-  for (std::size_t at = 0; at < html.size();) {
-    const auto* entity = std::ranges::find_if(
-        entities, [&](const auto& candidate) { return html.substr(at).starts_with(candidate.first); });
-    if (html[at] == '<') {
-      at = std::min(html.size(), html.find('>', at)) + 1;
-    } else if (entity != std::end(entities)) {
-      text += entity->second;
-      at += entity->first.size();
-    } else {
-      text += html[at++];
-    }
-  }
-  return text;
-}
-
 std::string html_list(const std::vector<std::string>& sentences) {
   std::string html = "<ul>";
   for (const std::string& sentence : sentences) html += "<li>" + sentence_html(sentence) + "</li>";
@@ -231,15 +196,6 @@ std::string plain_symbol(const std::string& key) {
                                                            {"tilt_y_rad", "tilt y"}};
   const auto found = known.find(key);
   return found != known.end() ? found->second : parameter_text(key).symbol;
-}
-
-std::string observable_text(const std::string& observable) {
-  static const std::map<std::string, std::string> known = {
-      {"alpha_rad", "α (rad)"}, {"v_mm_s", "v (mm/s)"}, {"dx_mm", "dx (mm)"},   {"dy_mm", "dy (mm)"},
-      {"x_mm", "x (mm)"},       {"y_mm", "y (mm)"},     {"rms_mm", "rms (mm)"}, {"rms_px", "rms (px)"},
-  };
-  const auto found = known.find(observable);
-  return found != known.end() ? found->second : observable;
 }
 
 std::string base64(const std::vector<unsigned char>& bytes) {

@@ -42,9 +42,6 @@ std::string interval_text(double low, double high, double sd);
 /// Names of files and runs keep their letters.
 std::string sentence_html(std::string_view sentence);
 
-/// HTML of a sentence as plain text: without its tags.
-std::string plain_text(std::string_view html);
-
 /// Sentences as a list.
 std::string html_list(const std::vector<std::string>& sentences);
 
@@ -66,9 +63,6 @@ inline ParameterText parameter_text(fit::FitParameter parameter) {
 
 /// The symbol as plain text, for figures: "μ₁".
 std::string plain_symbol(const std::string& key);
-
-/// An observable with its unit: "v_mm_s" -> "v (mm/s)".
-std::string observable_text(const std::string& observable);
 
 /// Base 64 (RFC 4648), for pictures inside the page.
 std::string base64(const std::vector<unsigned char>& bytes);

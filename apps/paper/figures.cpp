@@ -228,24 +228,6 @@ void add_displacement(Figure& figure, const Notes& files) {
 
 // Figures 6, 7, 9 and 10: alpha or v along a parameter.
 
-/// A curve of angles in [0, 2 pi), which breaks where it starts again at the other end.
-DrawnPath angle_curve(const Values& x, const Values& alpha) {
-  DrawnPath curve;
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    if (!std::isfinite(alpha[k])) continue;
-    if (!curve.y.empty() && std::abs(alpha[k] - curve.y.back()) > std::numbers::pi) {
-      const bool upwards = alpha[k] < curve.y.back();
-      const double to = alpha[k] + (upwards ? kTurn : -kTurn), edge = upwards ? kTurn : 0;
-      const double share = (edge - curve.y.back()) / (to - curve.y.back());
-      curve.x.insert(curve.x.end(), 3, curve.x.back() + share * (x[k] - curve.x.back()));
-      curve.y.insert(curve.y.end(), {edge, kNone, kTurn - edge});
-    }
-    curve.x.push_back(x[k]);
-    curve.y.push_back(alpha[k]);
-  }
-  return curve;
-}
-
 /// The names of a sweep's curves: by its first axis, or by mu1 where there is one axis only.
 Notes curve_names(const Source& source) {
   const SweepAxis& first = source.sweep.axes().front();
@@ -273,7 +255,7 @@ Panel curve_panel(const Source& source, const SweptModel& solved, bool of_alpha,
       const Values& all = of_alpha ? (steady ? solved.steady_alpha_rad : solved.alpha_rad)
                                    : (steady ? solved.steady_v_mm_s : solved.v_mm_s);
       const Values y(all.begin() + begin, all.begin() + begin + static_cast<std::ptrdiff_t>(count));
-      const DrawnPath curve = of_alpha ? angle_curve(x, y) : DrawnPath{x, y};
+      const AngleCurve curve = of_alpha ? broken_at_turns(x, y, {}) : AngleCurve{x, y, {}};
       panel.traces.push_back(
           plot::line(name, curve.x, curve.y,
                      {.colour = colour, .legend = legend && !steady, .dashed = steady, .small = steady}));

@@ -37,16 +37,14 @@ std::string anchor_of(const Claim& claim, const Paper& paper) {
 }
 
 std::string claim_table(const Paper& paper) {
-  std::string html =
-      "<div class=\"wide\"><table id=\"claims\" class=\"compact claims\"><thead><tr><th "
-      "class=\"n\">Figure</th><th>Claim</th><th>Verdict</th><th>What we find</th></tr></thead><tbody>\n";
+  std::string rows;
   for (const Claim& claim : paper.claims)
-    html += fmt::format(
+    rows += fmt::format(
         "<tr><td class=\"n\"><a href=\"#figure{0}\">{0}</a></td><td><a href=\"#{1}\">{2}</a></td><td "
         "class=\"judged {3}\">{4}</td><td data-v=\"{5}\">{6}</td></tr>\n",
         claim.figure, anchor_of(claim, paper), sentence_html(claim.name), style_of(claim.verdict),
         to_string(claim.verdict), fmt::format("{}", claim.value), deciding_html(claim));
-  return html + "</tbody></table></div>\n";
+  return table("claims", "compact claims", {">Figure", "Claim", "Verdict", "What we find"}, rows);
 }
 
 std::string first_screen(const Paper& paper) {
@@ -90,8 +88,8 @@ PageSection sources_section() {
           "out.</p>\n<p>The conditions of each figure stand below it and in <code>data/figure*.toml</code>, "
           "which this program carries. The motion, equation (5) of the paper, is solved between its events: "
           "friction switches, stops and releases are hit exactly, and an end after 20 cycles is good to some "
-          "10<sup>−13</sup> of the path.</p>\n<p>The numbers of each figure are in <code>figure3.csv</code> "
-          "to <code>figure11.csv</code> beside this page, the verdicts in <code>claims.csv</code>. "
+          "10<sup>−13</sup> of the path.</p>\n<p>The verdicts are in <code>claims.csv</code> beside this "
+          "page. "
           "<code>tribotrack sweep data/figure6a.toml -o figure6a.csv</code> gives the curves of one "
           "panel.</p>\n",
           kPaper)};

@@ -37,16 +37,6 @@ void carry_out(CampaignRunner& runner) {
   runner.write_log();
 }
 
-/// At the end those go again that are still empty.
-struct MadeFolders {
-  std::vector<std::filesystem::path> folders;
-  ~MadeFolders() {
-    std::error_code in_use;
-    for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder)
-      std::filesystem::remove(*folder, in_use);
-  }
-};
-
 std::string csv_rows(const std::string& part, const Json& fit) {
   std::string rows;
   for (const auto& [name, p] : fit.at("parameters").items())
@@ -68,9 +58,8 @@ void run_part_by_part(const Campaign& campaign, const RunnerOptions& options, bo
                       Context& context) {
   const std::filesystem::path root = options.output;
   const std::filesystem::path table = root / "parts.csv";
-  MadeFolders made;
   if (!plan_only) {
-    made.folders = create_folder(root);
+    create_folder(root);
     require_writable({{table}}, campaign.input_files());
   }
   Json fits = Json::object();
@@ -152,8 +141,7 @@ void CampaignRunner::take_folder() {
     outputs.push_back({folder_.measurement(run.name)});
     if (run.has_track()) outputs.push_back({folder_.track(run.name)});
     if (!run.video) continue;
-    for (const fs::path& pictures :
-         {folder_.first_frame(run.name), folder_.overlay(run.name), folder_.overlay_video(run.name)})
+    for (const fs::path& pictures : {folder_.first_frame(run.name), folder_.overlay(run.name)})
       outputs.push_back({pictures, Content::pictures});
   }
   require_writable(outputs, campaign_.input_files());
@@ -161,12 +149,10 @@ void CampaignRunner::take_folder() {
     remove_leftovers(folder);
   std::vector<std::string> names;
   for (const CampaignRun& run : campaign_.runs) names.push_back(run.name);
-  folder_.take_back(names);
-  if (const auto others = folder_.put_aside_all_but(names); !others.empty())
-    say(context_.quiet,
-        fmt::format("note: {} {} not in {}: moved to {}; should {} come back, so will the results",
-                    fmt::join(others, ", "), others.size() == 1 ? "is" : "are", options_.campaign,
-                    folder_.aside().root.string(), others.size() == 1 ? "it" : "they"));
+  for (const std::string& other : folder_.runs())
+    if (std::ranges::count(names, other) == 0)
+      say(context_.quiet, fmt::format("note: {} is not in {}: its files stay in {}", other, options_.campaign,
+                                      folder_.tracks().string()));
 }
 
 void CampaignRunner::measure() {
@@ -208,15 +194,14 @@ Track CampaignRunner::track_of(const CampaignRun& given, const FramesDone& frame
 std::optional<std::string> CampaignRunner::why_outdated(const CampaignRun& run,
                                                         const Recording& recording) const {
   const auto why = apps::why_outdated(folder_.track(run.name), recording);
-  const bool pictures = fs::exists(folder_.first_frame(run.name)) &&
-                        (!options_.overlay_videos || fs::exists(folder_.overlay_video(run.name)));
-  return why || pictures ? why : std::optional<std::string>("its pictures are to be drawn");
+  return why || fs::exists(folder_.first_frame(run.name))
+             ? why
+             : std::optional<std::string>("its pictures are to be drawn");
 }
 
 void CampaignRunner::write_pictures(const CampaignRun& run, const Recording& recording) const {
   write_first_frame(folder_.first_frame(run.name), recording);
   write_overlay_file(folder_.overlay(run.name), recording);
-  if (options_.overlay_videos) write_overlay_file(folder_.overlay_video(run.name), recording);
 }
 
 void CampaignRunner::name_failed(const std::vector<Run>& runs) const {
@@ -229,21 +214,13 @@ void CampaignRunner::name_failed(const std::vector<Run>& runs) const {
                                    options_.campaign, runs.size()));
 }
 
-fit::FitResult CampaignRunner::preview(const fit::FitResult* last) const {
-  const fit::Problem problem = problem_of(campaign_, fitted_.runs, fitted_.conditions);
-  fit::FitOptions options;
-  options.profiles = false;
-  options.threads = threads_to_use(context_);
-  return last != nullptr ? fit::estimate_from(*last, problem, options) : fit::estimate(problem, options);
-}
-
 void CampaignRunner::fit_all() {
   fit_runs(campaign_, fitted_, context_);
 }
 
 void CampaignRunner::report() const {
-  const MetaFile meta = write_fit(folder_.fit(), campaign_, fitted_);
-  const Report report = report_of({fitted_.json, meta.json(), fitted_.runs, folder_});
+  write_fit(folder_.fit(), campaign_, fitted_);
+  const Report report = report_of(folder_);
   write_file(folder_.runs_table(), report.runs_csv);
   write_file(folder_.parameter_table(), report.parameters_csv);
   write_file(folder_.text(), report.text);

@@ -22,7 +22,7 @@ struct RunnerOptions {
   std::string campaign;  ///< as the user names it
   std::string output;    ///< the folder
   std::string command = "run";
-  bool overlay_videos = false, explain = false, json = false;
+  bool explain = false, json = false;
   bool wait = false;               ///< while another process is writing into the folder
   bool locked = false;             ///< the caller holds the folder's lock
   std::size_t new_recordings = 0;  ///< the others are tracked already; 0: not known
@@ -40,9 +40,6 @@ class CampaignRunner {
   /// Every run, and what they share. Refuses a campaign that contradicts its recordings, and one that has no
   /// run left; finished tracks stay for the next call. Failed runs are named.
   void measure();
-  /// A fit for the run to film next: no profiles, nothing kept. It begins at `last`, an earlier one to fewer
-  /// of the runs, and looks elsewhere only where that does not describe all of them.
-  fit::FitResult preview(const fit::FitResult* last) const;
   void fit_all();
   void report() const;
   void write_log() const;

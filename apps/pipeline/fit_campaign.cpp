@@ -51,14 +51,14 @@ void allow_for_missing(const std::vector<Run>& runs, int allowed, const Context&
 fit::Loss loss_named(const std::string& word) {
   const auto found = std::ranges::find(losses(), word);
   if (found == losses().end())
-    throw UsageError(fmt::format("--loss must be squares, huber or cauchy, not \"{}\"", word));
+    throw UsageError(fmt::format("--loss must be squares or huber, not \"{}\"", word));
   return static_cast<fit::Loss>(found - losses().begin());
 }
 
 }  // namespace
 
 const std::vector<std::string>& losses() {
-  static const std::vector<std::string> words = {"squares", "huber", "cauchy"};  // in the order of fit::Loss
+  static const std::vector<std::string> words = {"squares", "huber"};  // in the order of fit::Loss
   return words;
 }
 

@@ -148,14 +148,6 @@ void Progress::update(std::int64_t done, std::int64_t total) {
   if (done >= total) line_.clear();  // notes may come before this object goes
 }
 
-void StageProgress::update(const std::string& stage, std::size_t done, std::size_t total) {
-  if (stage != stage_) {
-    stage_ = stage;
-    progress_.emplace(stage, quiet_);
-  }
-  progress_->update(static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
-}
-
 void say(bool quiet, const std::string& text) {
   if (!quiet) print_error(text);
 }

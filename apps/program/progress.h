@@ -53,18 +53,6 @@ class Progress {
   ProgressLine line_;
 };
 
-/// The same for work of several stages, one after the other.
-class StageProgress {
- public:
-  explicit StageProgress(bool quiet) : quiet_(quiet) {}
-  void update(const std::string& stage, std::size_t done, std::size_t total);
-
- private:
-  bool quiet_;
-  std::string stage_;
-  std::optional<Progress> progress_;
-};
-
 /// A note for a person on stderr, unless quiet.
 void say(bool quiet, const std::string& text);
 

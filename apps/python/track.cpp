@@ -2,18 +2,17 @@
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <memory>
 #include <utility>
 
-#include "apps/files/camera.h"
+#include "apps/files/run_folder.h"
 #include "apps/files/track_rows.h"
 #include "apps/program/context.h"
 #include "apps/program/errors.h"
-#include "apps/python/doors.h"
-#include "apps/python/released.h"
-#include "apps/python/values.h"
+#include "apps/python/calls.h"
 #include "apps/recording/check.h"
 #include "apps/recording/record.h"
 #include "apps/recording/track.h"
@@ -29,72 +28,60 @@ using apps::UsageError;
 
 namespace {
 
-std::optional<std::int64_t> frame_number(const py::handle& value) {
-  if (value.is_none()) return std::nullopt;
-  const double number = number_of("frames", value);
-  if (number != std::floor(number))
-    throw UsageError(fmt::format("--frames must hold the recording's own image numbers, not {}", number));
-  return static_cast<std::int64_t>(number);
-}
-
-void set_frames(apps::TrackChoices& choices, const py::object& frames) {
-  if (frames.is_none()) return;
-  if (py::isinstance<py::str>(frames) || PySequence_Check(frames.ptr()) == 0 || py::len(frames) < 2 ||
-      py::len(frames) > 3)
+void set_frames(apps::TrackChoices& choices, const Options& options) {
+  const apps::Json* frames = options.find("frames");
+  if (!frames) return;
+  if (!frames->is_array() || frames->size() < 2 || frames->size() > 3)
     throw UsageError(
         "--frames must be (first, last) or (first, last, step) in the recording's own image numbers, each of "
         "which may be None");
-  choices.first_frame = frame_number(frames[py::int_(0)]);
-  choices.last_frame = frame_number(frames[py::int_(1)]);
-  if (py::len(frames) == 3) choices.frame_step = frame_number(frames[py::int_(2)]);
-}
-
-std::optional<vision::MarkerChoice> marker_in(const py::dict& options) {
-  const py::object marker = member(options, "marker");
-  if (marker.is_none()) return std::nullopt;
-  if (py::isinstance<py::str>(marker)) {
-    try {
-      if (auto named = apps::marker_named(marker.cast<std::string>())) return named;
-    } catch (const std::invalid_argument& error) {
-      throw UsageError(fmt::format("--marker names no tag: {}", error.what()));
-    }
-    throw UsageError(fmt::format("--marker must be (x, y, radius) in pixels, {}, not \"{}\"",
-                                 apps::kMarkerWords, marker.cast<std::string>()));
+  std::size_t k = 0;
+  for (auto* choice : {&choices.first_frame, &choices.last_frame, &choices.frame_step}) {
+    if (k == frames->size()) return;
+    const apps::Json& value = (*frames)[k++];
+    if (value.is_null()) continue;
+    const double number = options.number_of("frames", value);
+    if (number != std::floor(number))
+      throw UsageError(fmt::format("--frames must hold the recording's own image numbers, not {}", number));
+    *choice = static_cast<std::int64_t>(number);
   }
-  return vision::MarkerChoice{vision::MarkerChoice::Kind::circle, *circle_in(options, "marker")};
 }
 
-std::optional<vision::Rect> rectangle_in(const py::dict& options) {
-  const py::object value = member(options, "template");
-  if (value.is_none()) return std::nullopt;
+std::vector<std::int64_t> rectangle_in(const Options& options) {
   const auto v =
-      numbers_of("template", value, 4, "(x, y, width, height) in whole pixels, such as (100, 40, 41, 41)");
-  for (const double number : v)
+      options.numbers("template", 4, "(x, y, width, height) in whole pixels, such as (100, 40, 41, 41)");
+  for (const double number : *v)
     if (number != std::floor(number) || std::abs(number) > 1e9)
       throw UsageError("--template must be whole pixels");
-  return vision::Rect{static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]),
-                      static_cast<int>(v[3])};
+  return {v->begin(), v->end()};
 }
 
-apps::TrackChoices choices_of(const py::dict& options) {
+/// The keyword of a flag: "mm_per_px".
+std::string keyword(std::string_view flag) {
+  std::string name(flag.substr(2));
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
+apps::TrackChoices choices_of(const Options& options) {
   apps::TrackChoices choices;
-  choices.fps = number_in(options, "fps");
-  choices.fps_reason = text_in(options, "fps_reason");
-  choices.mm_per_px = number_in(options, "mm_per_px");
-  choices.disc_diameter_mm = number_in(options, "disc_diameter_mm");
-  choices.chamfer_mm = number_in(options, "chamfer_mm");
-  choices.calibration = text_in(options, "calibration");
-  choices.height_mm = number_in(options, "height_mm");
-  choices.working_distance_mm = number_in(options, "working_distance_mm");
-  choices.tag_mm = number_in(options, "tag_mm");
-  choices.xi_axis_rad = number_in(options, "xi_axis_rad");
-  choices.config = text_in(options, "config");
-  choices.disc = circle_in(options, "disc");
-  choices.gate = circle_in(options, "gate");
-  choices.rectangle = rectangle_in(options);
-  choices.marker = marker_in(options);
-  choices.layers = text_in(options, "layers");
-  set_frames(choices, member(options, "frames"));
+  for (const apps::TrackFlag& flag : apps::kTrackNumbers)
+    if (const auto value = options.number(keyword(flag.flag)))
+      choices.keys[flag.section][flag.key] = *value;
+  apps::Json& camera = choices.keys["camera"];
+  if (const std::string reason = options.text("fps_reason"); !reason.empty())
+    camera["frame_rate_reason"] = reason;
+  if (const auto disc = options.circle("disc")) camera["disc_px"] = apps::circle_json(disc);
+  if (const auto gate = options.circle("gate")) camera["gate_px"] = apps::circle_json(gate);
+  if (options.find("template")) camera["template_px"] = rectangle_in(options);
+  if (const apps::Json* marker = options.find("marker"); marker && marker->is_string())
+    camera["marker"] = *marker;
+  else if (marker)
+    camera["marker_px"] = apps::circle_json(options.circle("marker"));
+  choices.calibration = options.text("calibration");
+  choices.config = options.text("config");
+  choices.layers = options.text("layers");
+  set_frames(choices, options);
   return choices;
 }
 
@@ -130,8 +117,8 @@ struct Files {
   std::string output, overlay;
 };
 
-Files files_in(const py::dict& options, const std::string& source, const apps::TrackChoices& choices) {
-  Files files{text_in(options, "output"), text_in(options, "overlay")};
+Files files_in(const Options& options, const std::string& source, const apps::TrackChoices& choices) {
+  Files files{options.text("output"), options.text("overlay")};
   std::vector<apps::Output> outputs;
   if (!files.output.empty()) outputs.push_back({files.output});
   if (!files.overlay.empty()) outputs.push_back({files.overlay, apps::Content::pictures});
@@ -145,40 +132,32 @@ Files files_in(const py::dict& options, const std::string& source, const apps::T
   return files;
 }
 
-/// What tracking hands to Python.
-struct Tracked {
-  apps::TrackRows rows;
-  apps::Json meta;
-  std::string failure;  ///< of its quality gate
-};
-
-Tracked finished(apps::Recording recording, const Files& files) {
-  if (!files.overlay.empty()) apps::write_overlay_file(files.overlay, recording);
-  if (!files.output.empty()) apps::write_track(files.output, recording);
-  apps::Json meta = apps::meta_of(recording).json();
-  meta["result_xxh3_128"] = apps::hash_of_text(apps::track_csv(recording.rows));  // as write_result() adds it
-  std::string failure = apps::gate_failure(recording);
-  return {std::move(recording.rows), std::move(meta), std::move(failure)};
-}
-
-Tracked track_file(apps::Recording recording, const Files& files, const Tell& tell) {
-  recording.options.progress = [&tell](std::int64_t done, std::int64_t total) { tell("track", done, total); };
-  return reading(vision::is_number_pattern(recording.video) ? "." : recording.video, [&] {
-    std::optional<std::filesystem::path> beside;
-    if (!files.output.empty()) beside = files.output;
-    return finished(apps::tracked(apps::checked(recording), beside), files);
+/// NaN for an empty cell.
+py::dict columns_of(const apps::TrackRows& table) {
+  py::dict dict;
+  py::array_t<std::int64_t> frames(static_cast<py::ssize_t>(table.rows.size()));
+  std::vector<double> values;
+  for (const apps::TrackRow& row : table.rows) {
+    frames.mutable_at(static_cast<py::ssize_t>(values.size())) = row.frame;
+    values.push_back(row.time_s);
+  }
+  dict["frame"] = frames;
+  dict["time_s"] = array_of(values);
+  apps::for_each_column(table, [&](const char* name, double apps::TrackRow::*number) {
+    py::list words;
+    values.clear();
+    for (const apps::TrackRow& row : table.rows)
+      if (number != nullptr)
+        values.push_back(row.*number);
+      else
+        words.append(vision::to_string(row.status));
+    dict[name] = number != nullptr ? py::object(array_of(values)) : py::object(words);
   });
+  return dict;
 }
 
-Tracked track_stack(apps::Recording recording, const vision::FrameStack& stack, int bits, const Files& files,
-                    const Tell& tell) {
-  recording.options.progress = [&tell](std::int64_t done, std::int64_t total) { tell("track", done, total); };
-  const auto source = std::make_shared<vision::StackSource>(stack, *recording.camera.frame_rate_hz, bits);
-  return finished(apps::tracked(apps::checked_in_memory(std::move(recording)), source), files);
-}
-
-int bits_of(const py::dict& options, const vision::FrameStack& stack) {
-  const auto given = whole_in(options, "bits");
+int bits_of(const Options& options, const vision::FrameStack& stack) {
+  const auto given = options.whole("bits");
   const int most = 8 * stack.bytes_per_level;
   if (given && (*given < 1 || *given > most))
     throw UsageError(fmt::format("--bits must be 1 to {} for levels of {} bytes, not {}", most,
@@ -186,40 +165,56 @@ int bits_of(const py::dict& options, const vision::FrameStack& stack) {
   return static_cast<int>(given.value_or(most));
 }
 
+/// The levels in memory as a recording.
+std::shared_ptr<vision::FrameSource> source_of(const vision::FrameStack& stack,
+                                               const apps::Recording& recording, const Options& options) {
+  const int bits = bits_of(options, stack);
+  if (!recording.camera.frame_rate_hz) throw UsageError("frames in memory have no frame rate: give --fps");
+  return std::make_shared<vision::StackSource>(stack, *recording.camera.frame_rate_hz, bits);
+}
+
 }  // namespace
 
-py::dict track(const py::object& source, const py::dict& options, const py::object& progress) {
+Returned track(const std::string& path, const std::string& json, const py::function& tell,
+               const py::object& frames) {
+  const Options options(json);
   const apps::TrackChoices choices = choices_of(options);
   apps::Context context;
-  context.threads = static_cast<int>(whole_in(options, "threads").value_or(0));
-  const bool file = is_path(source);
-  const std::string name = file ? path_of(source) : "";
-  const Files files = files_in(options, name, choices);
-  apps::Recording recording = apps::recording_of(file ? name : "frames in memory", choices);
+  context.threads = static_cast<int>(options.whole("threads").value_or(0));
+  const Files files = files_in(options, path, choices);
+  apps::Recording recording = apps::recording_of(frames.is_none() ? path : "frames in memory", choices);
   recording.options.threads = apps::threads_to_use(context);
-  Tracked result;
-  if (file) {
-    if (!member(options, "bits").is_none()) throw UsageError("--bits belongs to frames in memory");
-    result = released<Tracked>(
-        [recording, files](const Tell& tell) { return track_file(recording, files, tell); }, progress);
-  } else {
-    if (PyObject_CheckBuffer(source.ptr()) == 0)
+  py::buffer_info buffer;
+  std::shared_ptr<vision::FrameSource> memory;
+  if (!frames.is_none()) {
+    if (PyObject_CheckBuffer(frames.ptr()) == 0)
       throw UsageError(fmt::format("the source must be a path or an array of frames, not {}",
-                                   Py_TYPE(source.ptr())->tp_name));
-    const auto buffer =
-        std::make_shared<py::buffer_info>(py::reinterpret_borrow<py::buffer>(source).request());
-    const vision::FrameStack stack = stack_of(*buffer);
-    const int bits = bits_of(options, stack);
-    if (!recording.camera.frame_rate_hz) throw UsageError("frames in memory have no frame rate: give --fps");
-    result =
-        released<Tracked>([recording, stack, bits, files](
-                              const Tell& tell) { return track_stack(recording, stack, bits, files, tell); },
-                          progress, buffer);
+                                   Py_TYPE(frames.ptr())->tp_name));
+    buffer = py::reinterpret_borrow<py::buffer>(frames).request();
+    memory = source_of(stack_of(buffer), recording, options);
+  } else if (options.find("bits")) {
+    throw UsageError("--bits belongs to frames in memory");
   }
-  if (!result.failure.empty()) warn_of_quality(result.failure);
-  py::dict dict = columns_of(result.rows);
-  dict["meta"] = to_python(result.meta);
-  return dict;
+  apps::Json meta;
+  std::vector<std::string> doubts;
+  without_lock(tell, [&](const Tell& told) {
+    recording.options.progress = [&told](std::int64_t done, std::int64_t total) {
+      told("track", done, total);
+    };
+    std::optional<std::filesystem::path> beside;
+    if (!files.output.empty()) beside = files.output;
+    recording = memory ? apps::tracked(apps::checked_in_memory(std::move(recording)), memory)
+                       : apps::tracked(apps::checked(std::move(recording)), beside);
+    if (!files.overlay.empty()) apps::write_overlay_file(files.overlay, recording);
+    if (!files.output.empty()) apps::write_track(files.output, recording);
+    meta["meta"] = apps::meta_of(recording).json();
+    meta["meta"]["result_xxh3_128"] =
+        apps::hash_of_text(apps::track_csv(recording.rows));  // as write_result()
+    if (const std::string failure = apps::gate_failure(recording); !failure.empty())
+      doubts.push_back(failure);
+  });
+  return {columns_of(recording.rows), meta.dump(-1, ' ', false, apps::Json::error_handler_t::replace),
+          doubts};
 }
 
 }  // namespace tribotrack::python

@@ -2,8 +2,10 @@
 // tracked in it (track.h), and what is kept of that (record.h).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -49,16 +51,41 @@ struct Recording {
 /// That of one run of a campaign; keys of the run override those of [camera].
 Recording recording_of(const Campaign& campaign, const CampaignRun& run);
 
-/// What `track` can be told: each a flag of the command line, and a keyword in Python. Empty: not given.
-/// Units as in the flags' names.
+/// A number that `track` can be told, a flag of the command line and a keyword in Python: the key that it
+/// gives.
+struct TrackFlag {
+  const char *flag, *section, *key, *help;
+};
+inline constexpr std::array<TrackFlag, 8> kTrackNumbers = {
+    {{"--fps", "camera", "frame_rate_hz",
+      "Rate of recording, frames/s, where the file does not give it reliably"},
+     {"--mm-per-px", "camera", "mm_per_px", "Scale, of the platform's plane"},
+     {"--disc-diameter-mm", "part", "diameter_mm",
+      "Scale by the disc's true diameter; beside another scale a check of it"},
+     {"--chamfer-mm", "part", "chamfer_mm",
+      "Width of the disc's chamfer seen from above, 0 for a sharp edge: makes the scale by its diameter "
+      "sharp"},
+     {"--tag-mm", "camera", "tag_mm", "Scale by the side of the tag's black square (--marker tag:...)"},
+     {"--height-mm", "part", "height_mm", "Height of the part's top above the marker's plane"},
+     {"--working-distance-mm", "camera", "working_distance_mm",
+      "Distance from the lens to the marker's plane: corrects the parallax together with --height-mm"},
+     {"--xi-axis-rad", "camera", "xi_axis_rad",
+      "Direction of the platform's displacement at phase 0 in the picture (x right, y up)"}}};
+/// The others that give keys of [camera].
+inline constexpr std::array<TrackFlag, 7> kTrackPlaces = {
+    {{"--fps-reason", "camera", "frame_rate_reason", ""},
+     {"--disc", "camera", "disc_px", ""},
+     {"--template", "camera", "template_px", ""},
+     {"--gate", "camera", "gate_px", ""},
+     {"--marker", "camera", "marker_px", ""},
+     {"--marker", "camera", "marker", ""},
+     {"--calibration", "camera", "calibration", ""}}};
+
+/// What `track` can be told.
 struct TrackChoices {
-  std::optional<double> fps, mm_per_px, disc_diameter_mm, chamfer_mm, height_mm, working_distance_mm,
-      xi_axis_rad, tag_mm;
-  std::string fps_reason;
-  std::string calibration, config;  ///< files
-  std::optional<vision::Circle> disc, gate;
-  std::optional<vision::Rect> rectangle;  ///< --template
-  std::optional<vision::MarkerChoice> marker;
+  std::map<std::string, Json> keys = {{"camera", Json::object()},
+                                      {"part", Json::object()}};  ///< by the flags
+  std::string calibration, config;                                ///< files
   std::optional<std::int64_t> first_frame, last_frame, frame_step;
   std::string layers;  ///< "auto", "on", "off"; empty: auto
 };

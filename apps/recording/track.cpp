@@ -158,8 +158,11 @@ Recording track_source(Recording recording, std::shared_ptr<vision::FrameSource>
     vision::shift_to_rows(result.track, recording.camera.row_time_s, 0.5 * (info.height - 1));
   recording.state.require_unchanged();
   try {
-    if (const auto geometry = geometry_of(recording, info, result.summary)) {
-      recording.geometry = geometry->as_needed(result.track, result.summary.limit_px, result.summary.plan);
+    if ((recording.geometry = geometry_of(recording, info, result.summary))) {
+      if (recording.geometry->calibrated())
+        result.summary.plan.push_back({"lens and tilt", true, "a calibrated camera was given"});
+      else if (!recording.geometry->plain())
+        result.summary.plan.push_back({"parallax", true, "a height of the part's top was given"});
       recording.scale = recording.geometry->part_scale();
       if (auto warning = diameter_warning(recording, result.summary))
         result.summary.warnings.push_back(std::move(*warning));

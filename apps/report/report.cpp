@@ -19,20 +19,6 @@
 namespace tribotrack::apps {
 namespace {
 
-const char* css_class(Trust trust) {
-  switch (trust) {
-    case Trust::usable:
-      return "good";
-    case Trust::with_care:
-      return "care";
-    case Trust::do_not_use:
-      return "bad";
-    case Trust::no_fit:
-      return "none";
-  }
-  return "none";
-}
-
 /// A value in the unit of its key; multiples of pi as such where no sd says more.
 std::string quantity_cell(double value, double sd, const std::string& unit) {
   if (std::isnan(value)) return number_cell("–");
@@ -128,8 +114,8 @@ std::string shared_scale(const ReportData& data) {
 
 std::string verdict_box(const ReportData& data) {
   const Verdict verdict = verdict_of(data);
-  return fmt::format("<div id=\"verdict\" class=\"verdict {}\"><h2>{}</h2>\n<p>{}</p></div>\n",
-                     css_class(verdict.trust), verdict.heading, verdict.paragraph);
+  return fmt::format("<div id=\"verdict\" class=\"verdict {}\"><h2>{}</h2>\n<p>{}</p></div>\n", verdict.style,
+                     sentence_html(verdict.heading), sentence_html(verdict.paragraph));
 }
 
 std::string warning_box(const ReportData& data) {
@@ -153,8 +139,7 @@ PageSection parameter_section(const ReportData& data, const std::vector<Figure>&
 PageSection budget_section(const ReportData& data, const std::vector<Figure>& figures) {
   PageSection section{"budget", "Where the uncertainty comes from", ""};
   if (!data.fitted()) return section;
-  section.html =
-      budget_table(data.fit) + figure_box(figures, "budget-shares") + figure_box(figures, "influence");
+  section.html = budget_table(data.fit) + figure_box(figures, "influence");
   return section;
 }
 
@@ -166,13 +151,14 @@ PageSection provenance_section(const ReportData& data) {
           ". Figures drawn with plotly.js (MIT licence), which is part of this page; the page fetches "
           "nothing.</p>\n";
   if (!data.inputs.empty()) {
-    html +=
-        "<details class=\"print\"><summary>Inputs and their hashes</summary>\n<table id=\"inputs\" "
-        "class=\"compact\"><thead><tr><th>File</th><th>Hash</th></tr></thead><tbody>";
-    for (const ReportSource& input : data.inputs)
-      html += "<tr>" + cell(escape_html(input.name)) + cell("<code>" + escape_html(input.hash) + "</code>") +
+    std::string rows;
+    for (const Input& input : data.inputs)
+      rows += "<tr>" + cell(escape_html(input.path.filename().string())) +
+              cell("<code>xxh3-128:" + escape_html(input.xxh3_128) + "</code>" +
+                   (input.hashed.empty() ? "" : ", " + escape_html(input.hashed))) +
               "</tr>";
-    html += "</tbody></table></details>\n";
+    html += "<details class=\"print\"><summary>Inputs and their hashes</summary>\n" +
+            table("inputs", "compact", {"File", "Hash"}, rows) + "</details>\n";
   }
   if (!data.configuration.empty())
     html += "<details class=\"screen-only\"><summary>Effective configuration</summary>\n<pre>" +
@@ -264,21 +250,10 @@ std::string page_of(const ReportData& data) {
   return html_of(std::move(page));
 }
 
-namespace {
-
-Report report_of(const ReportData& data) {
+Report report_of(const RunFolder& folder) {
+  const ReportData data = collect(folder);
   return {page_of(data),     runs_csv(data),         parameters_csv(data),
           report_text(data), campaign_figures(data), data.missing};
-}
-
-}  // namespace
-
-Report report_of(const ReportInput& input) {
-  return report_of(collect(input));
-}
-
-Report report_of(const RunFolder& folder) {
-  return report_of(collect(folder));
 }
 
 }  // namespace tribotrack::apps

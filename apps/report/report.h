@@ -7,7 +7,6 @@
 
 #include "apps/figures/figure.h"
 #include "apps/files/run_folder.h"
-#include "apps/report/data/collect.h"
 
 namespace tribotrack::apps {
 
@@ -19,10 +18,7 @@ struct Report {
       missing;  ///< what it does not show since the file is gone; stands on the page, too
 };
 
-/// Of results in memory.
-Report report_of(const ReportInput& input);
-
-/// Of a folder that `run` has filled: the same bytes as it wrote there. Throws InvalidInput.
+/// Of a folder that `run` has filled. Throws InvalidInput.
 Report report_of(const RunFolder& folder);
 
 }  // namespace tribotrack::apps

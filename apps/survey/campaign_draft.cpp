@@ -29,35 +29,35 @@ constexpr double kSamePlace = 1.5;  ///< px: marks that lie so near to each othe
 
 constexpr std::int64_t kMostTracked = 1500;  ///< frames that tell how a part moves
 
-/// What one recording shows.
+/// A recording, and what it shows.
 struct Look {
+  fs::path path;
+  Json listed = Json::object();  ///< keys of its run that a list gives
+  NameGuess guess;
   vision::SourceInfo info;
   vision::Survey seen;
   std::optional<fit::ShownMotion> motion;  ///< of the part, where that decides what is drafted
   std::string failure;
 };
 
-Look look_at(const fs::path& recording, const std::optional<double>& fps) {
-  Look look;
+void look_at(Look& look, const std::optional<double>& fps) {
   try {
-    toml_text(recording.filename().string());
-    const auto source = vision::open_source(recording, {fps});
+    toml_text(look.path.filename().string());
+    const auto source = vision::open_source(look.path, {fps});
     look.info = source->info();
     look.seen = vision::survey(*source);
   } catch (const std::exception& error) {
     look.failure = error.what();
   }
-  return look;
 }
 
 /// How the part moves, from frame to frame: its places in some frames do not tell circles from a slide. Where
 /// the recording does not say how fast it was taken its frames count.
-std::optional<fit::ShownMotion> motion_in(const fs::path& recording, const Look& look,
-                                          const std::optional<double>& fps) {
+std::optional<fit::ShownMotion> motion_in(const Look& look, const std::optional<double>& fps) {
   if (look.seen.part() == nullptr) return std::nullopt;
   try {
     const auto source = vision::open_source(
-        recording, {look.info.time_base.known() ? fps : std::optional(1.0), "frames count"});
+        look.path, {look.info.time_base.known() ? fps : std::optional(1.0), "frames count"});
     vision::TrackOptions options;
     options.target.kind = vision::Target::Kind::disc;
     options.target.disc = look.seen.part()->circle;
@@ -125,8 +125,9 @@ void place_part(const vision::Survey& seen, DraftTable& run) {
 }
 
 /// A name that tells no phase, and nothing but the part moves, by more than a platform could move it.
-bool may_slide(const vision::Survey& seen, const NameGuess& guess) {
-  return guess.phi_text.empty() && guess.dtau_text.empty() && seen.part() != nullptr &&
+bool may_slide(const Look& look) {
+  const vision::Survey& seen = look.seen;
+  return look.guess.phi_text.empty() && look.guess.dtau_text.empty() && seen.part() != nullptr &&
          !seen.platform_moves() && seen.lamps.empty() && seen.part()->moved_px > seen.part()->circle.radius;
 }
 
@@ -134,20 +135,16 @@ bool repeats(const Look& look) {
   return look.motion && look.motion->oscillation;
 }
 
-bool slides(const Look& look, const NameGuess& guess) {
-  return guess.free_slide || (look.motion && look.motion->braking);
-}
-
 /// Does a list say that a run is driven, whatever its recording seems to show?
 bool is_driven(const Json& listed) {
   return listed.contains("phi_rad") || listed.contains("dtau_rad") || listed.value("kind", "") == "pulses";
 }
 
-DraftTable run_of(const fs::path& recording, const Look& look, const NameGuess& guess,
-                  const DraftOptions& options) {
+DraftTable run_of(const Look& look, const fs::path& folder) {
+  const NameGuess& guess = look.guess;
   DraftTable run;
-  run["video"] = {toml_text(relative_to(recording, options.folder)), ""};
-  if (slides(look, guess)) {
+  run["video"] = {toml_text(relative_to(look.path, folder)), ""};
+  if (guess.free_slide || (look.motion && look.motion->braking)) {
     run["kind"] = {"\"free_slide\"",
                    guess.free_slide ? "guess: by the name" : "guess: the part is seen to slide"};
     if (look.motion && look.motion->kind == fit::MotionKind::incline)
@@ -159,37 +156,34 @@ DraftTable run_of(const fs::path& recording, const Look& look, const NameGuess& 
       run["phi_rad"].why = "the part circles or swings, a drive's: fill it in";
   }
   place_part(look.seen, run);
-  if (const auto trace = trace_beside(recording))
-    run["scope"] = {toml_text(relative_to(*trace, options.folder)), "guess: by the name"};
+  if (const auto trace = trace_beside(look.path))
+    run["scope"] = {toml_text(relative_to(*trace, folder)), "guess: by the name"};
   return run;
 }
 
 /// Where parts circle and no mark shows how the platform moves.
-void place_drive(CampaignDraft& draft, const std::vector<Look>& looks,
-                 const std::vector<std::string>& names) {
-  for (std::size_t k = 0; k < looks.size(); ++k) {
-    if (!repeats(looks[k]) || looks[k].seen.platform_moves()) continue;
-    const double w = looks[k].motion->oscillation->angular_frequency.value;
-    const bool timed = looks[k].info.time_base.known();
-    if (timed)
-      draft.tables["platform"]["angular_frequency_rad_s"] = {
-          fmt::format("{:.4g}", w), "what the part shows: fill in what the drive is set to", true};
-    draft.missing.push_back(fmt::format(
-        "angular_frequency_rad_s and amplitude_mm in [platform]: no mark shows them; the part in {} "
-        "goes round{}",
-        names[k], timed ? fmt::format(" at about {:.4g} rad/s", w) : ""));
-    return;
-  }
+void place_drive(CampaignDraft& draft, const std::vector<Look>& looks) {
+  const auto look =
+      std::ranges::find_if(looks, [](const Look& one) { return repeats(one) && !one.seen.platform_moves(); });
+  if (look == looks.end()) return;
+  const double w = look->motion->oscillation->angular_frequency.value;
+  const bool timed = look->info.time_base.known();
+  if (timed)
+    draft.tables["platform"]["angular_frequency_rad_s"] = {
+        fmt::format("{:.4g}", w), "what the part shows: fill in what the drive is set to", true};
+  draft.missing.push_back(fmt::format(
+      "angular_frequency_rad_s and amplitude_mm in [platform]: no mark shows them; the part in {} "
+      "goes round{}",
+      look->path.stem().string(), timed ? fmt::format(" at about {:.4g} rad/s", w) : ""));
 }
 
 /// Marks and lamps: under [camera] where all recordings agree, else with each run.
-void place_marks(CampaignDraft& draft, const std::vector<Look>& looks, const std::vector<NameGuess>& guesses,
-                 bool with_runs) {
+void place_marks(CampaignDraft& draft, const std::vector<Look>& looks, bool with_runs) {
   const auto place = [&](const char* key, const char* why, bool of_runs, auto of) {
     std::vector<std::optional<vision::Circle>> places, driven;
     for (std::size_t k = 0; k < looks.size(); ++k) {
       places.push_back(of(looks[k].seen));
-      if (!guesses[k].free_slide) driven.push_back(places.back());
+      if (!looks[k].guess.free_slide) driven.push_back(places.back());
     }
     if (const auto common = common_place(driven); common && !with_runs) {
       draft.tables["camera"][key] = {circle_text(*common), why};
@@ -197,7 +191,7 @@ void place_marks(CampaignDraft& draft, const std::vector<Look>& looks, const std
     }
     if (!of_runs) return;
     for (std::size_t k = 0; k < looks.size(); ++k)
-      if (places[k] && !guesses[k].free_slide) draft.runs[k][key] = {circle_text(*places[k]), why};
+      if (places[k] && !looks[k].guess.free_slide) draft.runs[k][key] = {circle_text(*places[k]), why};
   };
   place("marker_px", "guess: a disc that moves and stays near its place", true,
         [](const vision::Survey& seen) -> std::optional<vision::Circle> {
@@ -209,20 +203,15 @@ void place_marks(CampaignDraft& draft, const std::vector<Look>& looks, const std
         });
 }
 
-void place_frame_rate(CampaignDraft& draft, const std::vector<Look>& looks,
-                      const std::vector<NameGuess>& guesses, const DraftOptions& options) {
+void place_frame_rate(CampaignDraft& draft, const std::vector<Look>& looks) {
   DraftTable& camera = draft.tables["camera"];
-  if (options.fps) {
-    camera["frame_rate_hz"] = {fmt::format("{}", *options.fps), "given"};
-    return;
-  }
+  if (camera.contains("frame_rate_hz")) return;  // given
   const auto unknown =
       std::ranges::find_if(looks, [](const Look& look) { return !look.info.time_base.known(); });
   if (unknown == looks.end()) return;
-  const auto& rate = guesses[static_cast<std::size_t>(unknown - looks.begin())].frame_rate_hz;
-  const bool agree =
-      rate && std::ranges::all_of(guesses, [&](const NameGuess& g) { return g.frame_rate_hz == rate; });
-  if (agree) {
+  const auto& rate = unknown->guess.frame_rate_hz;
+  if (rate &&
+      std::ranges::all_of(looks, [&](const Look& look) { return look.guess.frame_rate_hz == rate; })) {
     camera["frame_rate_hz"] = {fmt::format("{}", *rate), "guess: by the names"};
     camera["frame_rate_reason"] = {"\"the recordings' names\"", ""};
     return;
@@ -322,53 +311,47 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
   CampaignDraft draft;
   take_given(options, draft);
   std::vector<Look> looks(recordings.size());
+  for (std::size_t k = 0; k < looks.size(); ++k) {
+    looks[k].path = recordings[k];
+    if (!options.listed.empty()) looks[k].listed = options.listed[k];
+  }
   Progress progress("looking into recordings", context.quiet);
   std::atomic<std::int64_t> done = 0;
-  parallel_for(recordings.size(), threads_to_use(context), [&](std::size_t k) {
-    looks[k] = look_at(recordings[k], options.fps);
-    progress.update(++done, static_cast<std::int64_t>(recordings.size()));
+  parallel_for(looks.size(), threads_to_use(context), [&](std::size_t k) {
+    look_at(looks[k], options.fps);
+    progress.update(++done, static_cast<std::int64_t>(looks.size()));
   });
-  std::vector<fs::path> readable;
-  std::vector<std::string> names;
-  std::vector<Look> usable;
-  std::vector<Json> listed;
-  for (std::size_t k = 0; k < looks.size(); ++k) {
-    if (!looks[k].failure.empty()) {
-      draft.left_out.push_back(looks[k].failure);
-      continue;
-    }
-    readable.push_back(recordings[k]);
-    names.push_back(recordings[k].stem().string());
-    usable.push_back(std::move(looks[k]));
-    listed.push_back(options.listed.empty() ? Json::object() : options.listed[k]);
-  }
-  if (readable.empty())
+  for (const Look& look : looks)
+    if (!look.failure.empty()) draft.left_out.push_back(look.failure);
+  std::erase_if(looks, [](const Look& look) { return !look.failure.empty(); });
+  if (looks.empty())
     throw InvalidInput(draft.left_out.empty()
                            ? "there are no recordings to look into"
                            : fmt::format("no recording can be read; the first: {}", draft.left_out.front()));
-  std::vector<std::string> all_names = names;
-  all_names.insert(all_names.end(), options.other_names.begin(), options.other_names.end());
-  std::vector<NameGuess> guesses = guesses_from(all_names);
-  guesses.resize(names.size());
-  for (std::size_t k = 0; k < names.size(); ++k)
-    guesses[k].free_slide = listed[k].contains("kind") ? listed[k]["kind"] == "free_slide"
-                                                       : guesses[k].free_slide && !is_driven(listed[k]);
-  parallel_for(readable.size(), threads_to_use(context), [&](std::size_t k) {
-    if (guesses[k].free_slide || (!is_driven(listed[k]) && may_slide(usable[k].seen, guesses[k])))
-      usable[k].motion = motion_in(readable[k], usable[k], options.fps);
-    if (repeats(usable[k])) guesses[k].free_slide = false;  // whatever its name says
+  std::vector<std::string> names;
+  for (const Look& look : looks) names.push_back(look.path.stem().string());
+  names.insert(names.end(), options.other_names.begin(), options.other_names.end());
+  const std::vector<NameGuess> guesses = guesses_from(names);
+  parallel_for(looks.size(), threads_to_use(context), [&](std::size_t k) {
+    Look& look = looks[k];
+    look.guess = guesses[k];
+    bool& slide = look.guess.free_slide;
+    slide =
+        look.listed.contains("kind") ? look.listed["kind"] == "free_slide" : slide && !is_driven(look.listed);
+    if (slide || (!is_driven(look.listed) && may_slide(look))) look.motion = motion_in(look, options.fps);
+    if (repeats(look)) slide = false;  // whatever its name says
   });
-  for (std::size_t k = 0; k < readable.size(); ++k) {
-    draft.runs.push_back(run_of(readable[k], usable[k], guesses[k], options));
-    DraftTable& run = draft.runs.back();
-    for (const auto& [key, value] : listed[k].items()) run[key] = {toml_value(value), ""};
+  for (const Look& look : looks) {
+    DraftTable& run = draft.runs.emplace_back(run_of(look, options.folder));
+    for (const auto& [key, value] : look.listed.items()) run[key] = {toml_value(value), ""};
     if (run.contains("phi_rad") && (run["phi_rad"].missing || run["dtau_rad"].missing))
-      draft.missing.push_back(fmt::format("phi_rad and dtau_rad of {}: {} not tell them", names[k],
+      draft.missing.push_back(fmt::format("phi_rad and dtau_rad of {}: {} not tell them",
+                                          look.path.stem().string(),
                                           options.listed.empty() ? "its name does" : "list and name do"));
   }
-  place_drive(draft, usable, names);
-  place_marks(draft, usable, guesses, options.marks_with_runs);
-  place_frame_rate(draft, usable, guesses, options);
+  place_drive(draft, looks);
+  place_marks(draft, looks, options.marks_with_runs);
+  place_frame_rate(draft, looks);
   if (!options.diameter_mm)
     draft.missing.insert(draft.missing.begin(),
                          "diameter_mm in [part] (or mm_per_px in [camera]): the scale");

@@ -83,14 +83,12 @@ Unit unit_of(const std::vector<Angles>& all) {
   return fraction ? Unit::radians : Unit::unknown;
 }
 
-void settle(const std::optional<Written>& number, Unit common, std::optional<double>& radians,
-            std::string& text) {
-  if (!number) return;
+/// As a campaign writes it; empty where the unit is not known.
+std::string settled(const std::optional<Written>& number, Unit common) {
+  if (!number) return "";
   const Unit unit = number->unit == Unit::unknown ? common : number->unit;
-  if (unit == Unit::unknown) return;
-  const std::string plain = fmt::format("{}", number->value());
-  text = unit == Unit::degrees ? plain + "deg" : plain;
-  radians = parse_angle(text);
+  return unit == Unit::unknown ? ""
+                               : fmt::format("{}{}", number->value(), unit == Unit::degrees ? "deg" : "");
 }
 
 std::optional<double> frame_rate_in(const std::string& name) {
@@ -111,8 +109,8 @@ std::vector<NameGuess> guesses_from(const std::vector<std::string>& names) {
   for (std::size_t k = 0; k < names.size(); ++k) {
     const std::string name = lower(names[k]);
     NameGuess guess;
-    settle(angles[k].phi, common, guess.phi_rad, guess.phi_text);
-    settle(angles[k].dtau, common, guess.dtau_rad, guess.dtau_text);
+    guess.phi_text = settled(angles[k].phi, common);
+    guess.dtau_text = settled(angles[k].dtau, common);
     guess.frame_rate_hz = frame_rate_in(name);
     guess.free_slide = name.find("slide") != std::string::npos || name.find("incline") != std::string::npos;
     guesses.push_back(guess);

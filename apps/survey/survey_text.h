@@ -11,7 +11,6 @@
 namespace tribotrack::apps {
 
 struct NameGuess {
-  std::optional<double> phi_rad, dtau_rad;
   std::string phi_text, dtau_text;  ///< as a campaign writes them: "45deg", "0.785"
   std::optional<double> frame_rate_hz;
   bool free_slide = false;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/locale/encoding_utf.hpp>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -222,35 +223,6 @@ std::string_view trimmed(std::string_view text, const char* around = " \t\r\"") 
 
 // A text as UTF-8, with `-` for a minus sign and a blank for one of fixed width.
 
-void put_utf8(unsigned c, std::string& to) {
-  const auto tail = [&](int shift) { to += static_cast<char>(0x80 | ((c >> shift) & 0x3F)); };
-  if (c < 0x80) {
-    to += static_cast<char>(c);
-  } else if (c < 0x800) {
-    to += static_cast<char>(0xC0 | (c >> 6));
-    tail(0);
-  } else if (c >= 0xD800 && c < 0xE000) {
-    to += '?';  // half of a character that no table needs
-  } else {
-    to += static_cast<char>(0xE0 | (c >> 12));
-    tail(6);
-    tail(0);
-  }
-}
-
-/// Where every other byte of what it begins with is 0, or by its mark. 0 or 1: where the high bytes stand.
-std::optional<std::size_t> utf_16_in(std::string_view text) {
-  if (text.starts_with("\xfe\xff")) return 0;
-  if (text.starts_with("\xff\xfe")) return 1;
-  for (const std::size_t high : {0, 1}) {
-    bool all = text.size() > 1;
-    for (std::size_t k = 0; k + 1 < std::min<std::size_t>(text.size(), 64); k += 2)
-      all = all && text[k + high] == 0 && text[k + 1 - high] != 0;
-    if (all) return high;
-  }
-  return std::nullopt;
-}
-
 std::string with_replaced(std::string text, std::string_view from, std::string_view to) {
   if (text.find(from) == text.npos) return text;
   std::string result;
@@ -266,14 +238,18 @@ std::string with_replaced(std::string text, std::string_view from, std::string_v
 std::string as_utf8(const std::filesystem::path& path, std::string text) {
   if (text.starts_with("PK\x03\x04") || text.starts_with("\xd0\xcf\x11\xe0"))
     throw InvalidInput(fmt::format("{}: is a spreadsheet, not a text; save it as CSV", path.string()));
-  const auto unit = [&](std::size_t k) { return static_cast<unsigned>(static_cast<unsigned char>(text[k])); };
   const bool ascii =
       std::accumulate(text.begin(), text.end(), 0, [](int all, char c) { return all | c; }) >= 0;
   std::string utf_8;
-  if (const auto high = utf_16_in(text))
-    for (std::size_t k = 0; k + 1 < text.size(); k += 2)
-      put_utf8(unit(k + *high) << 8 | unit(k + 1 - *high), utf_8);
-  else if (text.find('\0') != text.npos || text.starts_with('\x80'))
+  const bool little = text.starts_with("\xff\xfe");
+  if (little || text.starts_with("\xfe\xff")) {
+    std::u16string units;
+    for (std::size_t k = 2; k + 1 < text.size(); k += 2)
+      units += static_cast<char16_t>(static_cast<unsigned char>(text[k + little]) << 8 |
+                                     static_cast<unsigned char>(text[k + 1 - little]));
+    text = boost::locale::conv::utf_to_utf<char>(units);
+  }
+  if (text.find('\0') != text.npos || text.starts_with('\x80'))
     throw InvalidInput(fmt::format(
         "{}: is no table but a binary file{}", path.string(),
         path.extension() == ".npy" || path.extension() == ".pkl"
@@ -281,8 +257,12 @@ std::string as_utf8(const std::filesystem::path& path, std::string text) {
               "numpy.savetxt(\"x.csv\", numpy.c_[numpy.arange(len(d)), d[:, 1], d[:, 0]], delimiter=\",\", "
               "header=\"frame,x_px,y_px\", comments=\"\")"
             : "; if it is a recording, give it as `video`, or `tribotrack track` makes a track of it"));
-  else if (!ascii && !encoding_slip(text).empty())  // Latin-1
-    for (std::size_t k = 0; k < text.size(); ++k) put_utf8(unit(k), utf_8);
+  if (!ascii && !encoding_slip(text).empty())  // Latin-1
+    for (const char c : text) {
+      const auto byte = static_cast<unsigned char>(c);
+      if (byte >= 0x80) utf_8 += static_cast<char>(0xC0 | byte >> 6);
+      utf_8 += static_cast<char>(byte < 0x80 ? byte : 0x80 | (byte & 0x3F));
+    }
   if (utf_8.empty()) utf_8 = std::move(text);
   for (const auto& [from, to] : {std::pair{"\xef\xbb\xbf", ""},
                                  {"\xe2\x88\x92", "-"},

@@ -11,7 +11,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <regex>
 
 #include "apps/program/errors.h"
 #include "apps/text/angle.h"
@@ -205,33 +204,6 @@ std::string_view line_of(std::string_view text, std::size_t number) {
   return text;
 }
 
-/// The line without its comment, and whether a text's closing quote is missing in it.
-struct Line {
-  std::string content;
-  bool open_text = false;
-};
-
-Line read_line(std::string_view text) {
-  Line line;
-  char quote = 0;
-  for (const char c : text) {
-    if (quote == 0 && c == '#') break;
-    if (quote == 0 && (c == '"' || c == '\''))
-      quote = c;
-    else if (c == quote)
-      quote = 0;
-    line.content += c;
-  }
-  line.open_text = quote != 0;
-  while (!line.content.empty() && line.content.back() == ' ') line.content.pop_back();
-  return line;
-}
-
-std::string matched(const std::string& text, const char* pattern) {
-  std::smatch found;
-  return std::regex_search(text, found, std::regex(pattern)) ? found[1].str() : std::string();
-}
-
 }  // namespace
 
 std::string encoding_slip(std::string_view text) {
@@ -256,39 +228,16 @@ std::string encoding_slip(std::string_view text) {
 
 std::string toml_slip(std::string_view text, std::size_t number, std::size_t column,
                       std::string_view description) {
-  if (description.find("redefin") != description.npos) {
-    const std::string key = matched(std::string(description), "'([^']*)'");
-    return fmt::format("`{}` is given twice; take one of them out", key);
+  if (const auto redefined = description.find("redefin"); redefined != description.npos) {
+    const auto begin = std::min(description.find('\'', redefined), description.size() - 1) + 1;
+    return fmt::format("`{}` is given twice; take one of them out",
+                       description.substr(begin, description.find('\'', begin) - begin));
   }
-  constexpr std::size_t kLongest = 300;  // no line that a person wrote is longer
-  const Line line = read_line(line_of(text, number).substr(0, kLongest));
-  const std::string& content = line.content;
-  if (const std::string value = matched(content, R"(=\s*([-+]?\d+,\d+)$)"); !value.empty()) {
-    std::string with_point = value;
-    std::replace(with_point.begin(), with_point.end(), ',', '.');
-    return fmt::format("`{}` is no number: write a decimal point, {}", value, with_point);
-  }
-  if (line.open_text) return "the closing quote of a text is missing in this line";
-  if (const std::string unit = matched(content, R"(=\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?\s*([A-Za-z%/]+\d*)$)");
-      !unit.empty())
-    return fmt::format(
-        "`{}` stands behind the number: write the number alone, the unit stands in the key's name", unit);
-  if (const std::string word = matched(content, R"(=\s*([A-Za-z_./\\][^"'\[\]{}]*)$)"); !word.empty())
-    return fmt::format("`{}` is neither a number nor a text: a text stands in quotes, \"{}\"", word, word);
-  if (const std::string key = matched(content, R"(^\s*([\w.-]+)\s*=$)"); !key.empty())
-    return fmt::format("`{}` has no value: write KEY = VALUE", key);
-  if (content.find('\\') != content.npos)
-    return "a backslash in quotes begins an escape: write / between folders, or the text in single quotes";
-  const auto count = [&](char c) { return std::count(content.begin(), content.end(), c); };
-  if (count('[') != count(']'))
-    return "a bracket is not closed (or not opened) in this line: [TABLE], [[run]], [1, 2, 3]";
-  if (count('{') != count('}'))
-    return "a brace is not closed (or not opened) in this line: { mean = 0.1, sd = 0.01 }";
-  if (content.find('=') == content.npos && !content.empty())
-    return fmt::format("`{}` is no line of a TOML file: write KEY = VALUE, [TABLE] or # COMMENT",
-                       content.substr(0, 40));
-  return fmt::format("`{}` cannot be read from column {} on: write KEY = VALUE, one to a line",
-                     content.substr(0, 60), column);
+  return fmt::format(
+      "`{}` cannot be read from column {} on: write KEY = VALUE, [TABLE] or # COMMENT; numbers with a point "
+      "and "
+      "without a unit (0.28), texts in quotes (\"a.cine\", folders divided by /), brackets and quotes closed",
+      line_of(text, number).substr(0, 60), column);
 }
 
 namespace {

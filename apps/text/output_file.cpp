@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <map>
 #include <mutex>
@@ -86,19 +85,6 @@ fs::path meta_beside(const fs::path& path) {
   return path.string() + ".meta.json";
 }
 
-/// The process that made a temporary name.
-std::optional<::pid_t> maker_of(const std::string& name) {
-  constexpr std::string_view mark = vision::TemporaryFile::kMark;
-  const auto at = name.rfind(mark);
-  if (name.front() != '.' || at == std::string::npos) return std::nullopt;
-  const char* begin = name.data() + at + mark.size();
-  ::pid_t maker = 0;
-  const auto [end, error] = std::from_chars(begin, name.data() + name.size(), maker);
-  if (error != std::errc() || maker <= 0 || end == name.data() + name.size() || *end != '-')
-    return std::nullopt;
-  return maker;
-}
-
 }  // namespace
 
 bool is_standard_output(const fs::path& path) {
@@ -147,35 +133,22 @@ void write_file(const fs::path& path, std::string_view text, Content content) {
   }
 }
 
-std::vector<fs::path> create_folder(const fs::path& path) {
-  std::vector<fs::path> missing;
+void create_folder(const fs::path& path) {
   std::error_code error;
-  for (fs::path folder = path; !folder.empty() && !fs::exists(folder, error); folder = folder.parent_path()) {
-    if (folder.has_filename()) missing.insert(missing.begin(), folder);
-    if (folder == folder.root_path()) break;
-  }
-  error.clear();
   fs::create_directories(path, error);
   if (error || !fs::is_directory(path))
     throw InvalidInput(fmt::format("{}: the output folder cannot be created: {}; give one that can",
                                    path.string(),
                                    error ? error.message() : "a file of that name is in the way"));
-  try {
-    require_writable(path / "writable");
-  } catch (const InvalidInput&) {
-    if (fs::exists(path, error)) throw;
-    return create_folder(path);  // removed meanwhile by a run that came to nothing
-  }
-  return missing;
+  require_writable(path / "writable");
 }
 
 void remove_leftovers(const fs::path& folder) {
   std::error_code ignored;
   std::vector<fs::path> left;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    const auto maker = maker_of(entry.path().filename().string());
-    // Of this process's own number nothing is under way yet: in a container numbers come again.
-    if (maker && (*maker == ::getpid() || (::kill(*maker, 0) != 0 && errno == ESRCH)))
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.') && name.find(vision::TemporaryFile::kMark) != name.npos)
       left.push_back(entry.path());
   }
   for (const fs::path& path : left) fs::remove_all(path, ignored);

@@ -45,11 +45,11 @@ bool is_standard_output(const std::filesystem::path& path);
 /// require_writable), OutputError where it cannot be.
 void write_file(const std::filesystem::path& path, std::string_view text, Content content = Content::result);
 
-/// Creates a folder and its parents. Returns those it made, outermost first. Throws InvalidInput.
-std::vector<std::filesystem::path> create_folder(const std::filesystem::path& path);
+/// Creates a folder and its parents. Throws InvalidInput.
+void create_folder(const std::filesystem::path& path);
 
-/// Removes temporary files in `folder` that processes which are no more left behind (killed, or the machine
-/// went down). Only where no other process of this program can be writing there.
+/// Removes temporary files that were left behind in `folder` (killed, or the machine went down). Only where
+/// no other process of this program can be writing there.
 void remove_leftovers(const std::filesystem::path& folder);
 
 /// What is said on stderr when one of these signals ends the process, as long as this object lives.

@@ -107,51 +107,6 @@ std::optional<double> number_in(const toml::node& node) {
   return std::nullopt;
 }
 
-constexpr int kDeepest = 16;  ///< tables within tables; a campaign has three
-
-void put_into(toml::table& to, const Json& object, const std::string& place, int depth);
-void put_into(toml::array& to, const Json& list, const std::string& place, int depth);
-
-/// Hands the TOML form of a value to `put`.
-template <class Put>
-void convert(const Json& value, const std::string& place, int depth, const Put& put) {
-  if (depth > kDeepest) throw InvalidInput(fmt::format("{} is nested too deeply", place));
-  switch (value.type()) {
-    case Json::value_t::boolean:
-      return put(value.get<bool>());
-    case Json::value_t::number_integer:
-    case Json::value_t::number_unsigned:
-      return put(value.get<std::int64_t>());
-    case Json::value_t::number_float:
-      return put(value.get<double>());
-    case Json::value_t::string:
-      return put(value.get<std::string>());
-    case Json::value_t::array: {
-      toml::array list;
-      put_into(list, value, place, depth + 1);
-      return put(std::move(list));
-    }
-    case Json::value_t::object: {
-      toml::table table;
-      put_into(table, value, place, depth + 1);
-      return put(std::move(table));
-    }
-    default:
-      throw InvalidInput(fmt::format("{} must be a number, a text, a list or a table", place));
-  }
-}
-
-void put_into(toml::array& to, const Json& list, const std::string& place, int depth) {
-  for (const Json& item : list)
-    convert(item, place, depth, [&to](auto&& converted) { to.push_back(std::move(converted)); });
-}
-
-void put_into(toml::table& to, const Json& object, const std::string& place, int depth) {
-  for (const auto& [key, value] : object.items())
-    convert(value, fmt::format("{}: `{}`", place, key), depth,
-            [&to, &key = key](auto&& converted) { to.insert(key, std::move(converted)); });
-}
-
 }  // namespace
 
 std::string toml_text(std::string_view text) {
@@ -167,12 +122,24 @@ std::string toml_text(std::string_view text) {
   return quoted + "\"";
 }
 
-std::string toml_value(const Json& value) {
+std::string toml_value(const Json& value, const std::string& place, int depth) {
+  constexpr int kDeepest = 16;  // tables within tables; a campaign has three
+  if (depth > kDeepest) throw InvalidInput(fmt::format("{} is nested too deeply", place));
+  if (value.is_null() || value.is_binary())
+    throw InvalidInput(fmt::format("{} must be a number, a text, a list or a table", place));
   if (value.is_string()) return toml_text(value.get_ref<const std::string&>());
-  if (!value.is_array()) return value.dump();
-  std::string list;
-  for (const Json& one : value) list += (list.empty() ? "" : ", ") + toml_value(one);
-  return "[" + list + "]";
+  if (value.is_number_float()) {
+    const std::string number = fmt::format("{}", value.get<double>());
+    return number.find_first_not_of("-0123456789") == number.npos ? number + ".0" : number;
+  }
+  if (!value.is_structured()) return value.dump();
+  std::string items;
+  for (const auto& [key, one] : value.items())
+    items += (items.empty() ? "" : ", ") +
+             (value.is_object()
+                  ? toml_text(key) + " = " + toml_value(one, fmt::format("{}: `{}`", place, key), depth + 1)
+                  : toml_value(one, place, depth + 1));
+  return value.is_object() ? "{" + items + "}" : "[" + items + "]";
 }
 
 std::string toml_comment(std::string_view text) {
@@ -237,14 +204,12 @@ StrictTable StrictTable::parse(std::string_view text, const std::string& name) {
 }
 
 StrictTable StrictTable::of(const Json& object, const std::string& name) {
-  toml::table table;
-  put_into(table, object, name, 0);
-  auto node = std::make_shared<Node>();
-  node->document = std::make_shared<const toml::table>(std::move(table));
-  node->table = node->document.get();
-  node->file = name;
-  node->parsed = false;
-  return StrictTable(std::move(node));
+  std::string text;
+  for (const auto& [key, value] : object.items())
+    text += toml_text(key) + " = " + toml_value(value, fmt::format("{}: `{}`", name, key)) + "\n";
+  StrictTable table = parse(text, name);
+  table.node_->parsed = false;
+  return table;
 }
 
 std::string StrictTable::place(std::string_view key) const {

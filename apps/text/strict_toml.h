@@ -72,8 +72,9 @@ class StrictTable {
 /// A text in the quotes of TOML, in which it reads back. Throws InvalidInput where it is not UTF-8.
 std::string toml_text(std::string_view text);
 
-/// A number, text or list as TOML.
-std::string toml_value(const Json& value);
+/// A number, text, list or table as TOML, on one line. `place` stands in messages. Throws InvalidInput for
+/// what TOML cannot say.
+std::string toml_value(const Json& value, const std::string& place = "a value", int depth = 0);
 
 /// A text for a comment: on one line, UTF-8, nothing in it that controls a terminal.
 std::string toml_comment(std::string_view text);
@@ -85,9 +86,6 @@ std::string read_text(const std::filesystem::path& file);
 std::string nearest_word(std::string_view word, const std::vector<std::string>& words);
 
 // The key `NAME_sd` beside a given quantity `NAME`.
-
-/// Does a reader act on the sds that only a fit can count? Where it does not, their keys are unknown to it.
-enum class WithSd { no, yes };
 
 /// The sd in the unit of the quantity; an angle's may be a text as the angle itself. Fails where the quantity
 /// itself is not given in this table, or the sd is not above 0: an exact value has none.

@@ -75,6 +75,12 @@ const std::vector<Left>& all_that_left() {
       {"track",
        {"--rehearse"},
        "film uncompressed or FFV1; standard deviations include what the codec may have done"},
+      {"calibrate",
+       {"--marker-mm", "--dictionary"},
+       "use a checkerboard that is seen whole in every picture"},
+      {"run",
+       {"--overlay-videos"},
+       "`track --campaign CAMPAIGN.toml --run NAME --overlay NAME.mp4` draws one of a run"},
       {"bench",
        {"--part", "--join"},
        "`bench coverage` runs whole, on all cores; `--campaigns N` says how many"},
@@ -82,9 +88,7 @@ const std::vector<Left>& all_that_left() {
        {"--frames", "--diameters", "--keep", "--full"},
        "`bench vision` times whole commands on recordings of its own"},
       {"bench", {"--figures"}, "bench.html saves each figure as SVG, and its numbers as CSV"},
-      {"paper",
-       {"--figures"},
-       "paper.html saves each figure as SVG; its numbers are in figure3.csv to figure11.csv"},
+      {"paper", {"--figures"}, "paper.html saves each figure as SVG, and its numbers as CSV"},
   };
   return all;
 }

@@ -20,21 +20,17 @@ struct FileState {
 class Arrivals {
  public:
   struct Options {
-    double settled_s = 3;  ///< without change: finished, where nobody said that it was closed
-    double give_up_s =
-        60;  ///< without change, and it still cannot be opened: handed out as it is, for the message
-    double poll_s = 0.25;  ///< folders on a network tell nobody of changes
+    double settled_s = 2;   ///< without change: finished, where it opens
+    double give_up_s = 60;  ///< without change, and it does not open: handed out as it is, for the message
+    double poll_s = 0.25;
   };
 
   /// Throws InvalidInput where the folder is none.
   Arrivals(std::filesystem::path folder, const Options& options);
-  ~Arrivals();
-  Arrivals(const Arrivals&) = delete;
-  Arrivals& operator=(const Arrivals&) = delete;
 
   /// Recordings finished since the last call, or finished again after a change. Waits at most `patience_s`
-  /// for the first. A recording is finished when its writer has closed it, or it has not changed for a while,
-  /// and it opens as a whole: a header that promises more than the file holds does not.
+  /// for the first. A recording is finished when it has not changed for a while and opens as a whole: a
+  /// header that promises more than the file holds does not.
   std::vector<std::filesystem::path> next(double patience_s);
 
   /// Recordings there that are not finished.
@@ -45,21 +41,14 @@ class Arrivals {
   struct Recording {
     FileState state;
     Clock::time_point since;  ///< when this state was first seen
-    bool closed = false;      ///< by its writer, in this state
-    bool opens = false;       ///< in this state
-    Clock::time_point tried;  ///< to open it
     bool handed_out = false;  ///< in this state
   };
   void look();
-  void hear();
-  void wait(double seconds) const;
-  bool is_finished(const std::filesystem::path& path, Recording& recording) const;
+  bool is_finished(const std::filesystem::path& path, const Recording& recording) const;
 
   std::filesystem::path folder_;
   Options options_;
-  int notifier_ = -1;
   std::map<std::filesystem::path, Recording> recordings_;
-  std::vector<std::filesystem::path> closed_;  ///< heard of since the last look
 };
 
 }  // namespace tribotrack::apps

@@ -1,12 +1,8 @@
 #include <fmt/format.h>
-#include <poll.h>
-#include <sys/inotify.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
+#include <thread>
 
 #include "apps/files/campaign/campaign.h"
 #include "apps/program/errors.h"
@@ -25,8 +21,6 @@ namespace tribotrack::apps {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr double kBetweenTries = 0.5;  ///< s, to open a recording that did not
 
 /// Nothing where the path is no recording, or vanishes while it is looked at.
 std::optional<FileState> state_of(const fs::path& path) {
@@ -65,34 +59,9 @@ Arrivals::Arrivals(fs::path folder, const Options& options) : folder_(std::move(
   if (!fs::is_directory(folder_))
     throw InvalidInput(
         fmt::format("{}: is not a folder; give the one that the camera writes into", folder_.string()));
-  // Where the system has no notifier left, polling does.
-  notifier_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
-  if (notifier_ >= 0) inotify_add_watch(notifier_, folder_.c_str(), IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE);
-}
-
-Arrivals::~Arrivals() {
-  if (notifier_ >= 0) close(notifier_);
-}
-
-void Arrivals::hear() {
-  if (notifier_ < 0) return;
-  alignas(inotify_event) std::array<char, 16384> buffer{};
-  for (;;) {
-    const ssize_t length = read(notifier_, buffer.data(), buffer.size());
-    if (length <= 0) return;
-    for (ssize_t at = 0; at < length;) {
-      inotify_event event{};
-      std::memcpy(&event, buffer.data() + at, sizeof event);
-      if (event.len > 0 && (event.mask & (IN_CLOSE_WRITE | IN_MOVED_TO)) != 0)
-        closed_.push_back(folder_ / (buffer.data() + at + sizeof event));
-      at += static_cast<ssize_t>(sizeof event + event.len);
-    }
-  }
 }
 
 void Arrivals::look() {
-  const auto now = Clock::now();
-  hear();
   std::map<fs::path, Recording> there;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
     const fs::path& path = entry.path();
@@ -100,35 +69,15 @@ void Arrivals::look() {
     const auto state = state_of(path);
     if (!state) continue;
     const auto known = recordings_.find(path);
-    Recording& recording = there[path];
-    if (known != recordings_.end() && known->second.state == *state)
-      recording = known->second;
-    else
-      recording = {*state, now, false, false, {}, false};
-    // Heard of before the state was read: what is there now is what was closed, or a later close will be
-    // heard.
-    if (std::ranges::count(closed_, path) > 0) recording.closed = true;
+    const bool same = known != recordings_.end() && known->second.state == *state;
+    there[path] = same ? known->second : Recording{*state, Clock::now()};
   }
-  closed_.clear();
   recordings_ = std::move(there);
 }
 
-bool Arrivals::is_finished(const fs::path& path, Recording& recording) const {
-  const auto seconds_since = [](Clock::time_point then) {
-    return std::chrono::duration<double>(Clock::now() - then).count();
-  };
-  const double unchanged = seconds_since(recording.since);
-  if (!recording.closed && unchanged < options_.settled_s) return false;
-  if (!recording.opens && seconds_since(recording.tried) >= kBetweenTries) {
-    recording.opens = opens_whole(path);
-    recording.tried = Clock::now();
-  }
-  return recording.opens || unchanged >= options_.give_up_s;
-}
-
-void Arrivals::wait(double seconds) const {
-  pollfd heard{notifier_, POLLIN, 0};
-  poll(&heard, notifier_ >= 0 ? 1 : 0, static_cast<int>(1000 * std::min(seconds, options_.poll_s)));
+bool Arrivals::is_finished(const fs::path& path, const Recording& recording) const {
+  const double unchanged = std::chrono::duration<double>(Clock::now() - recording.since).count();
+  return unchanged >= options_.settled_s && (opens_whole(path) || unchanged >= options_.give_up_s);
 }
 
 std::vector<fs::path> Arrivals::next(double patience_s) {
@@ -143,7 +92,7 @@ std::vector<fs::path> Arrivals::next(double patience_s) {
       }
     const double left = std::chrono::duration<double>(until - Clock::now()).count();
     if (!finished.empty() || left <= 0) return finished;
-    wait(left);
+    std::this_thread::sleep_for(std::chrono::duration<double>(std::min(left, options_.poll_s)));
   }
 }
 
@@ -225,25 +174,6 @@ void leave_to_camera(const fs::path& file, DraftTable& run) {
   if (camera->has("disc_px")) run.erase("disc_px");
 }
 
-/// A campaign's text with one more [[run]], before the first whose recording has a later name: in whichever
-/// order recordings arrive, the campaign is the same.
-std::string with_run(std::string text, const fs::path& file, const std::string& recording,
-                     const std::string& run) {
-  if (!text.empty() && text.back() != '\n') text += '\n';
-  StrictTable top = StrictTable::parse(text, file.string());
-  std::size_t begin = 0;
-  const std::string_view kRun = "[[run]]";
-  for (StrictTable& one : top.tables("run")) {
-    while (begin < text.size() && text.compare(begin, kRun.size(), kRun) != 0)
-      begin = std::min(text.find('\n', begin), text.size() - 1) + 1;
-    if (begin == text.size()) break;  // written otherwise: behind all of them
-    if (const auto video = one.text("video"); video && fs::path(*video).filename().string() > recording)
-      return text.insert(begin, run.substr(1) + "\n");  // without the empty line before, with one behind
-    begin += kRun.size();
-  }
-  return text + run;
-}
-
 }  // namespace
 
 GrowingCampaign::GrowingCampaign(const fs::path& folder, const DraftOptions& draft)
@@ -294,7 +224,7 @@ void GrowingCampaign::add(const std::vector<fs::path>& finished, const Context& 
       continue;
     }
     leave_to_camera(file_, run);
-    write_campaign(file_, with_run(read_text(file_), file_, recording.filename().string(), toml_of_run(run)));
+    write_campaign(file_, read_text(file_) + toml_of_run(run));
   }
 }
 

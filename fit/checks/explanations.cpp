@@ -296,9 +296,7 @@ double gain(const Explanation& found, std::size_t runs) {
 double independent_points(const Residuals& residuals, Minimum best) {
   const Problem& problem = residuals.unknowns().problem();
   best = linearised(residuals, std::move(best));
-  if (!problem.summary_runs.empty() || best.at.empty() ||
-      std::ranges::any_of(problem.trajectory_runs, [](const TrajectoryRun& run) { return !run.free_slide; }))
-    return 0;
+  if (!problem.summary_runs.empty() || best.at.empty() || problem.has_driven_tracks()) return 0;
   const ExcessVariance excess =
       estimate_excess_variance(residuals, residuals.unknowns().values(best.z), best.at);
   constexpr double kOwn = 5;  ///< numbers of each slide that place, velocity and mu1 take

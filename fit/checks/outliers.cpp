@@ -84,8 +84,8 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
     if (!(count * chance(first_order, std::max(0.0, best.chi2 - first_order), dof - 2) < 10 * kOutlier))
       break;
     out[i] = true;
-    Weights weights;
-    for (std::size_t k = 0; k < runs; ++k) weights.runs.push_back(out[k] ? kLeftOut : 1);
+    std::vector<double> weights;
+    for (std::size_t k = 0; k < runs; ++k) weights.push_back(out[k] ? kLeftOut : 1);
     residuals.set_weights(weights);
     const Minimum without =
         linearised(residuals, minimise(residuals, best.z, {.held = {}, .decrement = 1e-6}));

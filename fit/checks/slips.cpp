@@ -195,7 +195,7 @@ std::optional<Eigen::VectorXd> roughly(Problem problem) {
   Residuals residuals(unknowns);
   residuals.set_tolerance(1e-4);
   ExcessVariance excess;
-  excess.along = excess.across = kNear * upper_median(lengths);
+  excess.runs = kNear * upper_median(lengths);
   residuals.set_excess_variance(excess);
   MinimiseOptions descent;
   descent.decrement = 0.1;
@@ -287,8 +287,7 @@ std::vector<SlipFound> find_slips(const Problem& problem, const FitResult& resul
     candidates = magnitudes(looked_at);
     if (sound) candidates.erase(candidates.begin() + (typed.amplitude ? 1 : 0), candidates.end());
     if (failing)
-      std::ranges::move(turns(typed, std::ranges::count(problem.free, FitParameter::lag) > 0),
-                        std::back_inserter(candidates));
+      std::ranges::move(turns(typed, problem.fits(FitParameter::lag)), std::back_inserter(candidates));
   }
   for (const Candidate& candidate : candidates) {
     Problem undone = driven;

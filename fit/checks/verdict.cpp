@@ -13,31 +13,13 @@
 namespace tribotrack::fit {
 
 const char* to_string(Agreement agreement) {
-  switch (agreement) {
-    case Agreement::good:
-      return "good";
-    case Agreement::only_with_scatter:
-      return "only with scatter";
-    case Agreement::poor:
-      return "poor";
-    case Agreement::too_good:
-      return "too good";
-    case Agreement::unknown:
-      break;
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"good", "only with scatter", "poor", "too good", "unknown"};
+  return kNames[static_cast<std::size_t>(agreement)];
 }
 
 const char* to_string(Use use) {
-  switch (use) {
-    case Use::use:
-      return "use";
-    case Use::care:
-      return "care";
-    case Use::do_not_use:
-      break;
-  }
-  return "do_not_use";
+  constexpr const char* kNames[] = {"use", "care", "do_not_use"};
+  return kNames[static_cast<std::size_t>(use)];
 }
 
 Interval expected_reduced_chi2(int dof, double noise_dof) {
@@ -87,7 +69,7 @@ void add_doubts(const FitResult& result, std::vector<std::string>& reasons) {
     reasons.push_back("some parameters are determined only weakly");
   if (result.agreement == Agreement::too_good) reasons.push_back("the stated errors look too large");
   if (result.agreement == Agreement::unknown) reasons.push_back("there are no data left to check the model");
-  if (result.slides.size() > 1 && result.between_slides_p_value < kDoubt)
+  if (result.slides.size() > 1 && result.between_slides.p_value < kDoubt)
     reasons.push_back("mu1 differs from slide to slide by more than chance");
   if (std::ranges::any_of(result.slides, [](const SlideResult& slide) { return !slide.blows.empty(); }))
     reasons.push_back("a slide was struck on its way");

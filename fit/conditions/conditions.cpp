@@ -367,7 +367,7 @@ void put_into(Problem& problem, const Conditions& conditions) {
   std::map<FitParameter, double> variance;
   for (const SharedError& error : conditions.errors) {
     const double sd = error.sd * reference(error.quantity, drive).size;
-    if (std::ranges::count(problem.free, error.quantity) == 0)
+    if (!problem.fits(error.quantity))
       problem.conditions.push_back({error.quantity, sd, error.from});
     else if (error.known_beforehand)
       variance[error.quantity] += sd * sd;

@@ -13,18 +13,11 @@
 namespace tribotrack::fit {
 namespace {
 
-/// Variance of a run's own: without what all share.
-double own_variance(const Estimate& value, double common_sd) {
-  if (!(value.sd >= 0) || !std::isfinite(value.sd) || !std::isfinite(value.value))
-    throw std::invalid_argument("pool: a value or its sd is no number");
-  return std::max(0.0, value.sd * value.sd - common_sd * common_sd);
-}
-
 /// Exact values: equal to rounding, or refused.
-Pooled pool_exact(std::span<const Estimate> exact, double common_sd) {
+Pooled pool_exact(std::span<const Estimate> exact) {
   Pooled pooled;
   pooled.count = exact.size();
-  pooled.mean = {exact.front().value, common_sd};
+  pooled.mean = {exact.front().value, 0};
   for (const Estimate& e : exact)
     if (std::abs(e.value - pooled.mean.value) > 1e-12 * std::abs(pooled.mean.value)) {
       pooled.chi2 = std::numeric_limits<double>::infinity();
@@ -35,41 +28,36 @@ Pooled pool_exact(std::span<const Estimate> exact, double common_sd) {
 
 }  // namespace
 
-Pooled pool(std::span<const Estimate> values, double common_sd) {
+Pooled pool(std::span<const Estimate> values) {
   if (values.empty()) throw std::invalid_argument("pool: no value");
-  std::vector<double> variances;
   std::vector<Estimate> exact;
-  for (const Estimate& value : values) {
-    variances.push_back(own_variance(value, common_sd));
-    if (variances.back() == 0) exact.push_back(value);
-  }
-  if (!exact.empty()) return pool_exact(exact, common_sd);
-
   double weights = 0, sum = 0;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    weights += 1 / variances[k];
-    sum += values[k].value / variances[k];
+  for (const Estimate& value : values) {
+    if (!(value.sd >= 0) || !std::isfinite(value.sd) || !std::isfinite(value.value))
+      throw std::invalid_argument("pool: a value or its sd is no number");
+    if (value.sd == 0) exact.push_back(value);
+    weights += 1 / (value.sd * value.sd);
+    sum += value.value / (value.sd * value.sd);
   }
+  if (!exact.empty()) return pool_exact(exact);
   Pooled pooled;
   pooled.count = values.size();
-  pooled.mean.value = sum / weights;
-  pooled.own_sd = std::sqrt(1 / weights);
-  for (std::size_t k = 0; k < values.size(); ++k)
-    pooled.chi2 += std::pow(values[k].value - pooled.mean.value, 2) / variances[k];
+  pooled.mean = {sum / weights, std::sqrt(1 / weights)};
+  for (const Estimate& value : values)
+    pooled.chi2 += std::pow(value.value - pooled.mean.value, 2) / (value.sd * value.sd);
   const double dof = static_cast<double>(values.size()) - 1;
   pooled.p_value = internal::chi2_survival(pooled.chi2, dof);
-  if (!pooled.one_value()) pooled.own_sd *= std::sqrt(pooled.chi2 / dof);
-  pooled.mean.sd = std::hypot(pooled.own_sd, common_sd);
+  if (!pooled.one_value()) pooled.mean.sd *= std::sqrt(pooled.chi2 / dof);
   return pooled;
 }
 
-Pooled pool_angles(std::span<const Estimate> values, double common_sd) {
+Pooled pool_angles(std::span<const Estimate> values) {
   if (values.empty()) throw std::invalid_argument("pool: no value");
   const double first = values.front().value;
   std::vector<Estimate> differences;
   for (const Estimate& angle : values)
     differences.push_back({std::remainder(angle.value - first, 2 * std::numbers::pi), angle.sd});
-  Pooled pooled = pool(differences, common_sd);
+  Pooled pooled = pool(differences);
   pooled.mean.value += first;
   return pooled;
 }
@@ -91,13 +79,6 @@ void take_in(Eigen::VectorXd& values, Eigen::MatrixXd& covariance, Eigen::Index 
 namespace {
 
 constexpr double kAtRest = 1e-100;  ///< m/s
-
-/// Student's 95 % quantile over the normal one.
-double student_widening(std::size_t dof) {
-  constexpr double kLevel = 0.95;
-  return internal::two_sided_quantile(kLevel, static_cast<double>(dof)) /
-         internal::two_sided_quantile(kLevel, std::numeric_limits<double>::infinity());
-}
 
 Eigen::Vector2d vector_of(const AlphaV& value) {
   return value.velocity.value * Eigen::Vector2d(std::cos(value.alpha.value), std::sin(value.alpha.value));
@@ -196,8 +177,10 @@ RepeatScatter scatter_of(const std::vector<Point>& points, Coordinate coordinate
 void fill_in_scatter(std::vector<Point>& points, PooledPoints& pooled) {
   pooled.along = scatter_of(points, &Point::along, &AlphaV::velocity);
   pooled.across = scatter_of(points, &Point::across, &AlphaV::alpha);
-  const double along = pooled.along.dof > 0 ? student_widening(pooled.along.dof) : 1;
-  const double across = pooled.across.dof > 0 ? student_widening(pooled.across.dof) : 1;
+  const double along =
+      pooled.along.dof > 0 ? internal::student_widening(static_cast<double>(pooled.along.dof)) : 1;
+  const double across =
+      pooled.across.dof > 0 ? internal::student_widening(static_cast<double>(pooled.across.dof)) : 1;
   pooled.widened = std::max(along, across);
   for (Point& point : points) {
     const double speed = along * pooled.along.sd * (pooled.along.relative ? point.speed : 1);

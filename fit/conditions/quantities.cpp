@@ -196,7 +196,6 @@ void Quantity::compare() {
     for (Entry& e : entries_)
       if (!e.given) e.reference = mean;
     alone_->mean = {neutral(), relative(alone_->mean.sd, mean)};
-    alone_->own_sd = relative(alone_->own_sd, mean);
     if (!alone_->one_value()) {
       const auto [low, high] = std::ranges::minmax(values, {}, &Estimate::value);
       result_.scatter = {low.value, high.value, alone_->chi2, alone_->p_value, alone_->count};
@@ -210,7 +209,7 @@ void Quantity::compare() {
   if (!seen) return;
   const Entry& of =
       to_given_ ? *first_ : *std::ranges::find_if(entries_, [](const Entry& e) { return !e.given; });
-  const Estimate x{seen->mean.value, std::hypot(seen->own_sd, absolute(common_, seen->mean.value))};
+  const Estimate x{seen->mean.value, std::hypot(seen->mean.sd, absolute(common_, seen->mean.value))};
   result_.measured = {applied(of, x.value), absolute(x.sd, of.reference)};
   result_.runs = seen->count;
   result_.p_value = seen->p_value;
@@ -229,7 +228,7 @@ void Quantity::use(const Entry& e, RunConditions& run) {
   Estimate used = given;
   double weight = 0;  // of the measured value
   if (seen && (!e.given || given.sd > 0)) {
-    const Estimate measured{seen->mean.value, std::hypot(seen->own_sd, common_)};
+    const Estimate measured{seen->mean.value, std::hypot(seen->mean.sd, common_)};
     used = e.given ? combined(given, measured) : measured;
     weight = e.given ? square(used.sd / measured.sd) : 1;
   }
@@ -240,7 +239,7 @@ void Quantity::use(const Entry& e, RunConditions& run) {
 
   // What is common to all that is measured stands beside as errors of their own.
   const double sd = keeps_own         ? relative(e.seen->sd, value)
-                    : mostly_measured ? std::hypot((1 - weight) * given.sd, weight * seen->own_sd)
+                    : mostly_measured ? std::hypot((1 - weight) * given.sd, weight * seen->mean.sd)
                                       : used.sd;
   if ((all_given_ || none_given_) && !keeps_own) {
     result_.shared_sd = sd;

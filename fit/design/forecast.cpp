@@ -6,11 +6,8 @@
 #include <numbers>
 
 #include "fit/residuals/end_point.h"
-#include "fit/residuals/point_whitening.h"
-#include "fit/tools/dense.h"
 #include "fit/tools/track_errors.h"
-#include "model/batch.h"
-#include "model/parallel.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -43,7 +40,6 @@ Forecaster::Forecaster(const Residuals& residuals, const Eigen::VectorXd& values
     base_ = runs.front().scenario;
     amplitude_from_track_ = runs.front().amplitude_from_track;
   }
-  clockwise_ = std::sin(base_.drive.phase_shift) >= 0;
   const Unknowns& unknowns = residuals.unknowns();
   for (const SummaryRun& run : runs)
     most_steps_ = std::max(
@@ -119,37 +115,26 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
   applied.chain.col(known).setZero();
   applied.chain(wanted, known) = 1;
 
+  // Fewer points stand for all that are seen.
   const std::size_t seen = like.track.time.size(), n = std::min(kMostPoints, seen);
-  std::vector<double> times;
-  for (std::size_t k = 0; k < n; ++k)
-    times.push_back(scenario.duration * static_cast<double>(k) / static_cast<double>(n - 1));
-  const PointModel points =
-      model_points(unknowns, applied, times, {!like.track.platform_frame, like.track.exposure}, tolerance,
-                   true, most_steps_);
   const auto& scatter = residuals_.excess_variance().trajectories[*track_];
-  const double variance = 0.5 * point_errors(like.track, 0).own.trace() +
-                          scatter.between_points * scatter.between_points + kFinestSigma * kFinestSigma;
-  // Of one of the n points, which stand for all that are seen.
-  const double white =
-      variance * scatter.correlation_time * static_cast<double>(n) / static_cast<double>(seen);
-  const PointWhitening whitening(times, std::vector<Eigen::Matrix2d>(n, white * Eigen::Matrix2d::Identity()),
-                                 std::vector<double>(n, 1), like.track.slow);
-  const Eigen::MatrixX2d start = orthonormal(whitening.shift());
-  const CorrelatedVariances& variances = residuals_.excess_variance().correlated;
-  ErrorParts present{};
-  for (std::size_t part = 0; part < kErrorParts; ++part) present[part] = variances[part] > 0;
-  const ErrorShapes correlated = error_shapes(times, scenario.drive.angular_frequency, scenario.start_phase,
-                                              residuals_.reference_time(), present);
-  const Eigen::MatrixXd rows = whitened_columns(points.jacobian, whitening, start);
-  const Eigen::MatrixXd errors = whitened_columns(error_columns(correlated), whitening, start) *
-                                 column_variances(correlated, variances).cwiseSqrt().asDiagonal();
+  const double white = 0.5 * point_errors(like.track, 0).own.trace() + std::pow(scatter.between_points, 2);
+  double all = white * scatter.correlation_time * static_cast<double>(n) / static_cast<double>(seen);
+  for (const SlowError& slow : like.track.slow) all += slow.sd * slow.sd;
+  TrajectoryRun run;
+  run.scenario = scenario;
+  run.track.slow = like.track.slow;
+  for (std::size_t k = 0; k < n; ++k)
+    run.track.time.push_back(scenario.duration * static_cast<double>(k) / static_cast<double>(n - 1));
+  run.track.position.assign(n, Eigen::Vector2d::Zero());
+  run.track.covariance.assign(n, all * Eigen::Matrix2d::Identity());
+  const PointModel points =
+      model_points(unknowns, applied, run.track.time, {!like.track.platform_frame, like.track.exposure},
+                   tolerance, true, most_steps_);
+  const Eigen::MatrixXd rows =
+      TrackWhitening(run, 0, {}, residuals_.excess_variance().correlated, residuals_.reference_time())
+          .whitened(points.jacobian);
   Eigen::MatrixXd information = rows.transpose() * rows;
-  if (errors.cols() > 0) {
-    const Factor factor(Eigen::MatrixXd::Identity(errors.cols(), errors.cols()) +
-                        errors.transpose() * errors);
-    const Eigen::MatrixXd hidden = factor.whitened(errors.transpose() * rows);
-    information -= hidden.transpose() * hidden;
-  }
   if (like.start_phase_sd > 0) {
     const Eigen::VectorXd by_phase = information.col(known).head(known);
     const double own = information(known, known) + 1 / (like.start_phase_sd * like.start_phase_sd);
@@ -170,99 +155,6 @@ std::optional<Forecast> Forecaster::forecast(const Candidate& candidate, double 
   }
   if (forecast.information.size() == 0 || !forecast.information.allFinite()) return std::nullopt;
   return forecast;
-}
-
-Forecast Forecaster::turned(const Forecast& forecast, double phi) const {
-  Forecast result = forecast;
-  result.candidate.phi = phi;
-  const Unknowns& unknowns = residuals_.unknowns();
-  const auto x = unknowns.find(FitParameter::tilt_x), y = unknowns.find(FitParameter::tilt_y);
-  if (!x || !y) return result;
-  const double angle = (phi - forecast.candidate.phi) * (clockwise_ ? -1 : 1);
-  Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(unknowns.common(), unknowns.common());
-  turn(*x, *x) = turn(*y, *y) = std::cos(angle);
-  turn(*x, *y) = std::sin(angle);
-  turn(*y, *x) = -std::sin(angle);
-  result.information = turn.transpose() * forecast.information * turn;
-  return result;
-}
-
-namespace {
-
-/// Steps of central differences in natural units, and the tolerance that leaves them good to some 1e-4. A
-/// kink nearer than a step (a stop that comes or goes) shows half on each side.
-constexpr double kStep = 1e-4, kTolerance = 1e-10;
-
-/// Whether lanes carry it: a circle, and no start from rest next to the threshold of friction. Else exact
-/// derivatives are cheaper than differences.
-bool for_lanes(const model::Scenario& scenario) {
-  const model::Drive& drive = scenario.drive;
-  const double length = drive.amplitude * drive.angular_frequency * drive.angular_frequency;
-  const auto far = [&](double mu) { return std::abs(mu * drive.gravity - length) > 0.025 * length; };
-  return length > 0 && drive.amplitude == drive.amplitude_y && drive.tilt_x == 0 && drive.tilt_y == 0 &&
-         std::abs(std::cos(drive.phase_shift)) < 1e-15 && far(scenario.friction.nominal) &&
-         far(scenario.friction.reduced);
-}
-
-}  // namespace
-
-std::vector<std::optional<Forecast>> Forecaster::forecasts(const std::vector<Candidate>& candidates,
-                                                           double tolerance, int threads,
-                                                           Stage& stage) const {
-  std::vector<std::optional<Forecast>> all(candidates.size());
-  const Unknowns& unknowns = residuals_.unknowns();
-  const auto applied_at = [&](const Candidate& candidate, const Eigen::VectorXd& values, bool derivatives) {
-    return unknowns.apply(values, scenario(candidate), amplitude_from_track_, derivatives);
-  };
-  const bool tilts = unknowns.find(FitParameter::tilt_x) || unknowns.find(FitParameter::tilt_y);
-  std::vector<std::size_t> together, alone;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const bool lanes = !track_ && !tilts && for_lanes(applied_at(candidates[k], values_, false).scenario);
-    (lanes ? together : alone).push_back(k);
-  }
-  stage.expect(candidates.size());
-  // Of each candidate the run itself, then one to either side for every unknown.
-  const auto columns = static_cast<std::size_t>(unknowns.common()), runs = 1 + 2 * columns;
-  const auto applied_to = [&](std::size_t index) {
-    Eigen::VectorXd values = values_;
-    if (const std::size_t run = index % runs; run > 0) {
-      const auto u = static_cast<Eigen::Index>((run - 1) / 2);
-      values(u) += (run % 2 == 1 ? kStep : -kStep) * units_(u);
-    }
-    return applied_at(candidates[together[index / runs]], values, false);
-  };
-  model::BatchOptions batch;
-  batch.threads = threads;
-  batch.tolerance = kTolerance;
-  batch.max_steps = most_steps_;
-  const model::BatchOutcome outcome = model::solve_batch(
-      together.size() * runs, [&](std::size_t index) { return applied_to(index).scenario; }, batch);
-  for (std::size_t k = 0; k < together.size(); ++k) {
-    const Candidate& candidate = candidates[together[k]];
-    bool solved = !applied_at(candidate, values_, true).wanted.empty();
-    const auto displacement = [&](std::size_t run) -> Eigen::Vector2d {
-      const model::BatchEnd& end = outcome.ends[k * runs + run];
-      solved = solved && end.status == model::BatchStatus::done;
-      return end.position / applied_to(k * runs + run).scale;
-    };
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2, unknowns.common());
-    for (std::size_t u = 0; u < columns; ++u)
-      rows.col(static_cast<Eigen::Index>(u)) =
-          (displacement(1 + 2 * u) - displacement(2 + 2 * u)) / (2 * kStep);
-    rows /= std::sqrt(variance(displacement(0)));
-    if (solved) {
-      all[together[k]] = Forecast{candidate, rows.transpose() * rows};
-      stage.done();
-    } else {
-      alone.push_back(together[k]);  // a step can leave the model's range where mu2 is nearly 0
-    }
-  }
-  parallel_for(alone.size(), threads, [&](std::size_t i) {
-    if (stage.late()) return;
-    all[alone[i]] = forecast(candidates[alone[i]], tolerance);
-    stage.done();
-  });
-  return all;
 }
 
 }  // namespace tribotrack::fit::internal

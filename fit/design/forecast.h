@@ -2,10 +2,8 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "fit/residuals/residuals.h"
-#include "fit/tools/stage_progress.h"
 
 namespace tribotrack::fit::internal {
 
@@ -35,14 +33,6 @@ class Forecaster {
   /// nullopt where the model cannot be evaluated, takes more than 50 times the steps of the longest of the
   /// runs so far, or where nothing fitted moves the run.
   std::optional<Forecast> forecast(const Candidate& candidate, double tolerance) const;
-  /// Of many, on several threads; displacements by differences of runs in lanes where the platform circles.
-  /// None of those that the stage is late for.
-  std::vector<std::optional<Forecast>> forecasts(const std::vector<Candidate>& candidates, double tolerance,
-                                                 int threads, Stage& stage) const;
-  /// The same turned to another phi by the rotation law: exact for the steady drift of a circling platform,
-  /// good to some degrees from rest. The information on everything but a tilt, which stays where it is, is
-  /// then the same.
-  Forecast turned(const Forecast& forecast, double phi) const;
 
  private:
   double variance(const Eigen::Vector2d& displacement) const;
@@ -56,7 +46,6 @@ class Forecaster {
   bool amplitude_from_track_ = false;
   std::optional<std::size_t> track_;  ///< the trajectory run it is like; else like the summary runs
   double sd_ = 0, length_ = 1, power_ = 0;
-  bool clockwise_ = true;
   long most_steps_ = 0;
 };
 

@@ -9,8 +9,10 @@
 #include "fit/goal.h"
 #include "fit/tools/dense.h"
 #include "fit/tools/parameter_text.h"
+#include "fit/tools/stage_progress.h"
 #include "fit/uncertainty/covariance.h"
 #include "fit/uncertainty/identifiability.h"
+#include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -71,7 +73,7 @@ class Search {
     for (std::size_t first = 0; first < places_.size() && !stage_.late(); first += kWidths) {
       std::vector<Candidate> seeds;
       for (std::size_t k = first; k < first + kWidths; ++k) seeds.push_back(places_[k].seed);
-      const auto forecasts = forecaster_.forecasts(seeds, kForecastTolerance, threads_, stage_);
+      const auto forecasts = this->forecasts(seeds);
       for (std::size_t k = 0; k < kWidths; ++k) places_[first + k].at_zero = forecasts[k];
     }
   }
@@ -81,7 +83,7 @@ class Search {
     std::vector<std::pair<double, Place*>> order;
     for (Place& place : places_)
       if (place.at_zero && place.own_drive == own_drive)
-        order.emplace_back(smallest_when_turned(*place.at_zero, aim), &place);
+        order.emplace_back(size(after(*place.at_zero), aim), &place);
     std::stable_sort(order.begin(), order.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     const Forecast* chosen = nullptr;
@@ -115,19 +117,23 @@ class Search {
     std::vector<std::optional<Forecast>> good = {};  ///< at every phi, once needed
   };
 
-  double smallest_when_turned(const Forecast& forecast, std::optional<Eigen::Index> aim) const {
-    double smallest = size(after(forecast), aim);
-    if (!unknowns_.find(FitParameter::tilt_x) || !unknowns_.find(FitParameter::tilt_y)) return smallest;
-    for (int i = 1; i < kPhases; ++i)
-      smallest = std::min(smallest, size(after(forecaster_.turned(forecast, i * kGridStep)), aim));
-    return smallest;
+  /// None of those that the stage is late for.
+  std::vector<std::optional<Forecast>> forecasts(const std::vector<Candidate>& candidates) {
+    std::vector<std::optional<Forecast>> all(candidates.size());
+    stage_.expect(all.size());
+    parallel_for(all.size(), threads_, [&](std::size_t k) {
+      if (stage_.late()) return;
+      all[k] = forecaster_.forecast(candidates[k], kForecastTolerance);
+      stage_.done();
+    });
+    return all;
   }
 
   const std::vector<std::optional<Forecast>>& at_every_phase(Place& place) {
     if (!place.good.empty() || stage_.late()) return place.good;
     std::vector<Candidate> turned(kPhases - 1, place.seed);
     for (int i = 1; i < kPhases; ++i) turned[static_cast<std::size_t>(i - 1)].phi = i * kGridStep;
-    place.good = forecaster_.forecasts(turned, kForecastTolerance, threads_, stage_);
+    place.good = forecasts(turned);
     place.good.insert(place.good.begin(), place.at_zero);
     return place.good;
   }

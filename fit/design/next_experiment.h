@@ -21,9 +21,9 @@ struct NextExperiments {
 };
 
 /// Over a grid of phi (by pi/4), dtau (by pi/4), A and w (the runs' own, one of them by 0.8 or 1.25).
-/// Forecast at one phi and turned to the others by the rotation law; the most promising are then forecast
-/// themselves at every phi. Bounded: a second by the clock, 50 times the runs so far
-/// for a candidate. `t`: the two-sided 95 % quantile of the intervals. Empty without driven runs.
+/// Forecast at one phi: by the rotation law all promise the same of friction; the most promising are then
+/// forecast at every phi. Bounded: a second by the clock, 50 times the runs so far for a candidate. `t`: the
+/// two-sided 95 % quantile of the intervals. Empty without driven runs.
 NextExperiments next_experiments(const Residuals& residuals, const Eigen::VectorXd& values,
                                  const Linearised& at, double t, const FitOptions& options);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -9,7 +10,6 @@ namespace tribotrack::fit::internal {
 namespace {
 
 constexpr double kStray = 1e-4;    ///< probability that a frame means nothing
-constexpr double kDepth = 18;      ///< log-likelihood below the top at which the posterior is cut
 constexpr double kJitterGain = 3;  ///< log-likelihood that a jitter has to be worth
 
 double density(double x, double mean, double sigma) {
@@ -87,92 +87,57 @@ class LogLikelihood {
   double common_ = 0;
 };
 
-struct Peak {
-  double at = 0, log_likelihood = -std::numeric_limits<double>::infinity();
-};
-
-Peak best_on_grid(const std::vector<EdgeFrame>& frames, double centre, double reach, double tau) {
-  constexpr int points = 40;
-  const LogLikelihood likelihood(frames, centre - reach, centre + reach, tau);
-  Peak best;
-  for (int k = 0; k <= points; ++k) {
-    const double e = centre + reach * (2.0 * k / points - 1);
-    if (const double l = likelihood(e); l > best.log_likelihood) best = {e, l};
-  }
-  return best;
-}
-
-/// From a blurred likelihood to the sharp one: each round looks closer about the last best place.
-Peak sharpen(const std::vector<EdgeFrame>& frames, double centre, double reach, double finest, double tau) {
-  Peak best{centre};
-  for (double span = reach; span > finest; span *= 0.35)
-    best = best_on_grid(frames, best.at, span, std::max(tau, span / 16));
-  return best_on_grid(frames, best.at, finest, tau);
-}
-
 struct Moments {
   Estimate edge;
   double log_evidence = 0;
 };
 
-/// Where the log-likelihood falls kDepth below the top, going from there in one direction.
-double foot(const std::vector<EdgeFrame>& frames, const Peak& top, double tau, double direction, double first,
-            double reach) {
-  double inside = 0, outside = first;
-  const auto deep = [&](double distance) {
-    const double e = top.at + direction * distance;
-    return LogLikelihood(frames, std::min(e, top.at), std::max(e, top.at), tau)(e) <
-           top.log_likelihood - kDepth;
-  };
-  while (outside < 2 * reach && !deep(outside)) {
-    inside = outside;
-    outside *= 1.7;
+/// Mean and sd within `reach` of `centre`, by the midpoint rule in a window that closes about what is likely.
+/// As long as its cells are wider than that they are looked at through a blur of their width.
+Moments integrate(const std::vector<EdgeFrame>& frames, double centre, double reach, double tau) {
+  constexpr int kPoints = 100, kMostRounds = 12;
+  constexpr double kWindow = 7, kWide = 0.5;  // sd to either side; of a window that need not close further
+  Moments found;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const double cell = 2 * reach / kPoints, from = centre - reach;
+    const bool last = round + 1 == kMostRounds;
+    const auto moments = [&](double blur) {
+      const LogLikelihood likelihood(frames, from, centre + reach, blur);
+      double log_values[kPoints];
+      for (int k = 0; k < kPoints; ++k) log_values[k] = likelihood(from + cell * (k + 0.5));
+      const double most = *std::max_element(std::begin(log_values), std::end(log_values));
+      double weight = 0, first = 0, second = 0;
+      for (int k = 0; k < kPoints; ++k) {
+        const double p = std::exp(log_values[k] - most), at = cell * (k + 0.5) - reach;
+        weight += p;
+        first += p * at;
+        second += p * at * at;
+      }
+      const double mean = first / weight;
+      // Each point stands for its cell: its width belongs to the sum.
+      const double variance = std::max(0.0, second / weight - mean * mean) + cell * cell / 12;
+      return Moments{{centre + mean, std::sqrt(variance)}, most + std::log(weight * cell)};
+    };
+    found = moments(last ? tau : std::max(tau, cell));
+    const double next = kWindow * found.edge.sd;
+    if (last || next > kWide * reach) return moments(tau);
+    centre = found.edge.value;
+    reach = next;
   }
-  for (int k = 0; k < 10; ++k) {
-    const double middle = 0.5 * (inside + outside);
-    (deep(middle) ? outside : inside) = middle;
-  }
-  return top.at + direction * outside;
-}
-
-/// Mean and sd over the support about the top.
-Moments integrate(const std::vector<EdgeFrame>& frames, const Peak& top, double tau, double first,
-                  double reach) {
-  const double from = foot(frames, top, tau, -1, first, reach), to = foot(frames, top, tau, 1, first, reach);
-  const LogLikelihood likelihood(frames, from, to, tau);
-  constexpr int points = 400;
-  const double cell = (to - from) / points;
-  std::vector<double> log_values(points);
-  for (int k = 0; k < points; ++k) log_values[k] = likelihood(from + cell * (k + 0.5));
-  const double most = *std::max_element(log_values.begin(), log_values.end());
-  double weight = 0, first_moment = 0, second_moment = 0;
-  for (int k = 0; k < points; ++k) {
-    const double p = std::exp(log_values[k] - most);
-    const double at = from + cell * (k + 0.5) - top.at;
-    weight += p;
-    first_moment += p * at;
-    second_moment += p * at * at;
-  }
-  const double mean = first_moment / weight;
-  // Each point stands for its cell: its width belongs to the sum.
-  const double variance = std::max(0.0, second_moment / weight - mean * mean) + cell * cell / 12;
-  return {{top.at + mean, std::sqrt(variance)}, most + std::log(weight * cell)};
+  return found;
 }
 
 }  // namespace
 
 EdgeEstimate estimate_edge(const std::vector<EdgeFrame>& frames, double reach, double resolution) {
-  const Peak blurred = sharpen(frames, 0, reach, std::max(resolution, 1e-3 * reach), reach / 50);
-  const Peak sharp = sharpen(frames, blurred.at, 0.3 * reach, resolution, 0);
-  const Moments still = integrate(frames, sharp, 0, resolution, reach);
+  const Moments still = integrate(frames, 0, reach, 0);
 
   // Jitter, where it is worth its while.
   EdgeEstimate best{still.edge, 0};
   double best_evidence = still.log_evidence + kJitterGain;
   double most = still.log_evidence;
   const auto attempt = [&](double tau) {
-    const Peak top = sharpen(frames, blurred.at, 0.3 * reach, std::max(resolution, 0.3 * tau), tau);
-    const Moments moved = integrate(frames, top, tau, 0.3 * tau, reach);
+    const Moments moved = integrate(frames, 0, reach, tau);
     if (moved.log_evidence > best_evidence) {
       best_evidence = moved.log_evidence;
       best = {moved.edge, tau};

@@ -202,25 +202,9 @@ MotionKind kind_of(const Oscillation& o) {
 }  // namespace
 
 const char* to_string(MotionKind kind) {
-  switch (kind) {
-    case MotionKind::at_rest:
-      return "at rest";
-    case MotionKind::driven:
-      return "driven";
-    case MotionKind::swinging:
-      return "swinging";
-    case MotionKind::slide:
-      return "slide to rest";
-    case MotionKind::incline:
-      return "incline";
-    case MotionKind::pulled:
-      return "pulled";
-    case MotionKind::with_background:
-      return "with background";
-    case MotionKind::unknown:
-      break;
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"unknown",       "at rest", "driven", "swinging",
+                                    "slide to rest", "incline", "pulled", "with background"};
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 ShownMotion shown_motion(const TrackTable& track) {

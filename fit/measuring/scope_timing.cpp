@@ -214,11 +214,8 @@ ScopeEvents find_scope_events(const ScopeTrace& trace, const ScopeOptions& optio
   const auto time = [&](double sample) { return trace.start + sample * trace.increment; };
   if (!trace.sensor.empty()) {
     // A pulse may last a hundredth of the turn: its height is that of the extremes.
-    const Swing swing = swing_of(trace.sensor, 0.002);
-    const double height = swing.high - swing.low;
-    if (height > 0)
-      for (const Crossing& c : crossings(trace.sensor, swing.low + 0.5 * height, 0.1 * height))
-        if (c.rising) events.pulses.push_back(time(c.sample) - options.sensor_delay);
+    for (const double rise : rises_of(trace.sensor, swing_of(trace.sensor, 0.002)))
+      events.pulses.push_back(time(rise) - options.sensor_delay);
     if (events.pulses.size() < 3)
       throw DataError("the sensor's channel shows fewer than three pulses: is it the right channel?");
   }

@@ -25,8 +25,7 @@ const char* solver() {
 namespace tribotrack::fit::internal {
 namespace {
 
-/// Ceres writes to standard error where an evaluation fails, silent or not; Residuals counts that and callers
-/// tell it in their own words.
+/// Ceres writes to standard error where an evaluation fails, silent or not.
 void quieten() {
   static const bool once = [] {
     FLAGS_minloglevel = google::GLOG_FATAL;
@@ -188,7 +187,6 @@ double Minimum::distance(const Unknowns& unknowns, const Eigen::VectorXd& other)
 Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const MinimiseOptions& options) {
   const Unknowns& unknowns = residuals.unknowns();
   Evaluation evaluation(residuals, start);
-  if (options.evaluated && !options.evaluated->at.empty()) evaluation.keep(options.evaluated->at);
   Minimum minimum;
   if (options.held && unknowns.size() == 1) {
     minimum.z = start;
@@ -207,7 +205,7 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start, const
   std::deque<GroupCost> costs;
   const auto& groups = residuals.layout().groups;
   for (std::size_t group = 0; group < groups.size(); ++group) {
-    const auto& [rows, own] = groups[group];
+    const auto& [data, rows, own] = groups[group];
     if (rows == 0) continue;
     costs.emplace_back(evaluation, group, rows, unknowns.common(), own.count);
     std::vector<double*> blocks{shared};

@@ -30,8 +30,6 @@ struct MinimiseOptions {
   bool patient = true;  ///< at a kink of chi^2: 8 steps that gain less than 1e-4 end it, else 4 of 0.01
   int full_steps = 40;  ///< in the full model at most (minimise_linearised)
   const std::vector<Minimum>* known = nullptr;
-  /// The evaluation at the start, where it was made before (same tolerance, scatter and weights).
-  const Minimum* evaluated = nullptr;
 };
 
 /// Levenberg-Marquardt, one thread, no bounds: the z axes have none. The linear solver is DENSE_SCHUR over

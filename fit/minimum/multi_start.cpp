@@ -8,14 +8,13 @@
 #include "fit/minimum/screen.h"
 #include "fit/tools/stage_progress.h"
 #include "fit/tools/statistics.h"
-#include "fit/tools/thresholds.h"
 #include "model/alpha_v.h"
 #include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr std::size_t kTracks = 6;        ///< basins that a fit to tracks descends into at first
+constexpr std::size_t kTracks = 6;  ///< basins that a fit to tracks, whose descents cost much, looks into
 constexpr double kRoughDecrement = 0.01;  ///< a tenth of a standard deviation
 constexpr std::size_t kRunsToSearch = 24;
 
@@ -71,11 +70,6 @@ class Minima {
     });
     for (std::size_t i = 0; i < ends.size(); ++i) keep(ends[i], descents.empty() ? 1 : descents[i]);
   }
-  bool rejected() const {
-    double lowest = HUGE_VAL;
-    for (const Minimum& known : found_) lowest = std::min(lowest, known.chi2);
-    return !(residuals_.p_value(lowest) >= kSurprise);
-  }
   /// Best first. One in which pulses raise friction counts where there is no other.
   void sort() {
     std::vector<std::size_t> order(found_.size());
@@ -119,15 +113,13 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   // Start 0 is the user's, or the scene's own scale where nothing better is known.
   const std::size_t wanted = static_cast<std::size_t>(options.multi_starts);
   const bool guessed = !unknowns.problem().start.empty();
-  std::vector<Eigen::VectorXd> starts, reserve;
+  std::vector<Eigen::VectorXd> starts;
   if (wanted == 1 || guessed) starts.push_back(unknowns.z(unknowns.first_guess()));
   if (wanted > 1) {
     search.sample = screen(residuals, options.threads);
-    // Descents on tracks cost much: further ones only while chi^2 asks for them.
-    const std::size_t at_first =
-        unknowns.problem().trajectory_runs.empty() ? wanted : std::min(wanted, kTracks);
+    const std::size_t most = unknowns.problem().trajectory_runs.empty() ? wanted : std::min(wanted, kTracks);
     for (const auto& point : basins(unknowns, search.sample))
-      (starts.size() < at_first ? starts : reserve).push_back(point.z);
+      if (starts.size() < most) starts.push_back(point.z);
   }
   if (starts.empty()) starts.push_back(unknowns.z(unknowns.first_guess()));
 
@@ -153,17 +145,6 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   search.starts = static_cast<int>(starts.size());
   starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(first));
   minima.descend_from(starts, options.threads, stage);
-  // While chi^2 rejects the best minimum, the next points are tried as well.
-  const auto left = static_cast<std::size_t>(std::max(0, options.multi_starts - search.starts));
-  reserve.resize(std::min(reserve.size(), left));
-  Stage further(options, "further starts", reserve.size());
-  for (std::size_t k = 0; k < reserve.size() && minima.rejected(); k += 2) {
-    const std::vector<Eigen::VectorXd> next(
-        reserve.begin() + static_cast<std::ptrdiff_t>(k),
-        reserve.begin() + static_cast<std::ptrdiff_t>(std::min(k + 2, reserve.size())));
-    minima.descend_from(next, options.threads, further);
-    search.starts += static_cast<int>(next.size());
-  }
   minima.sort();
   Minima of_all(rough);
   if (many) {

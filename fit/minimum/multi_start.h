@@ -18,8 +18,7 @@ struct Search {
 
 /// Start 0 is the user's first guess, where given. The others are the basins of a screened box (screen.h).
 /// The first descent is complete; one that enters the basin of a known minimum stops there, and one that
-/// crawls far above it is abandoned. While chi^2 rejects the best minimum (p < 0.001) further basins are
-/// tried, up to options.multi_starts. All are rough: a tenth of a standard deviation. A minimum with mu2 >
+/// crawls far above it is abandoned. All are rough: a tenth of a standard deviation. A minimum with mu2 >
 /// mu1, a pulse that raises friction, does not count unless there is no other.
 Search multi_start(const Residuals& residuals, const FitOptions& options);
 

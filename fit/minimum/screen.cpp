@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -274,32 +273,6 @@ class Box {
   Eigen::VectorXd low_, high_;
 };
 
-/// Cells of the plane by which neighbours are found.
-class Neighbours {
- public:
-  explicit Neighbours(double distance) : distance_(distance) {}
-  void add(const Eigen::VectorXd& place, std::size_t index) { cells_[cell(place, 0, 0)].push_back(index); }
-  template <typename Linked>
-  bool any(const Eigen::VectorXd& place, const Linked& linked) const {
-    for (const int dx : {0, -1, 1})
-      for (const int dy : {0, -1, 1})
-        if (const auto found = cells_.find(cell(place, dx, dy)); found != cells_.end())
-          for (const std::size_t index : found->second)
-            if (linked(index)) return true;
-    return false;
-  }
-
- private:
-  std::pair<long, long> cell(const Eigen::VectorXd& place, int dx, int dy) const {
-    const auto along = [&](Eigen::Index axis) {
-      return axis < place.size() ? static_cast<long>(std::floor(place(axis) / distance_)) : 0;
-    };
-    return {along(0) + dx, along(1) + dy};
-  }
-  double distance_;
-  std::map<std::pair<long, long>, std::vector<std::size_t>> cells_;
-};
-
 }  // namespace
 
 std::vector<std::size_t> representative(const std::vector<const model::Scenario*>& runs, std::size_t most) {
@@ -407,14 +380,12 @@ std::vector<ScreenedPoint> basins(const Unknowns& unknowns, std::vector<Screened
   const double critical = box.critical_distance(points.size());
   std::vector<Eigen::VectorXd> places;
   for (const ScreenedPoint& point : points) places.push_back(box.place(point));
-  Neighbours better(critical);
   std::vector<ScreenedPoint> bottoms;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const bool near_a_better_one = better.any(places[k], [&](std::size_t other) {
-      return box.sticks(points[k]) == box.sticks(points[other]) &&
-             (places[k] - places[other]).squaredNorm() < critical * critical;
-    });
-    better.add(places[k], k);
+    bool near_a_better_one = false;  // found soon, where points lie densely
+    for (std::size_t other = 0; other < k && !near_a_better_one; ++other)
+      near_a_better_one = (places[k] - places[other]).squaredNorm() < critical * critical &&
+                          box.sticks(points[k]) == box.sticks(points[other]);
     if (!near_a_better_one) bottoms.push_back(points[k]);
   }
   return bottoms;

@@ -153,26 +153,6 @@ void fill_minima(const Residuals& residuals, const std::vector<Minimum>& minima,
   }
 }
 
-void fill_failures(const Residuals& residuals, const Minimum& best, FitResult& result) {
-  result.failed_evaluations = residuals.failures().count();
-  const Eigen::VectorXd values = residuals.unknowns().values(best.z);
-  const double near = kNearMinimum * residuals.excess(best.chi2);
-  std::size_t count = 0;
-  double nearest = kInfinity;
-  std::string reason;
-  for (const auto& failure : residuals.failures().kept()) {
-    const double distance = best.at.squared(failure.values - values);
-    if (!(distance < near)) continue;
-    ++count;
-    if (distance < nearest) nearest = distance, reason = failure.reason;
-  }
-  if (count > 0)
-    result.warnings.push_back(fmt::format(
-        "The model could not be evaluated at {} of the values tried within three standard deviations "
-        "of the minimum ({}): intervals may end there too early.",
-        count, reason));
-}
-
 namespace {
 
 constexpr const char* kAxes[] = {"dx_mm", "dy_mm"};
@@ -284,6 +264,8 @@ void fill_slide(const Unknowns& unknowns, const Eigen::VectorXd& values, std::si
     result.slide.measured.push_back(measured_along);
     result.slide.modelled.push_back(measured_along - along.dot(points.residual[i]));
   }
+  result.slide.sentence = fmt::format("Initial speed {:.4g} mm/s; {} points, residual {:.3g} mm rms.",
+                                      nuisance["initial_speed_mm_s"], result.points, result.rms_m * 1e3);
   nuisance["stop_time_s"] = run.track.time[points.row.front()] + stop_time(result.fitted);
   if (const NuisanceBlock* deviation = unknowns.find(Nuisance::deviation, index))
     nuisance["mu1"] = unknowns.value_of(FitParameter::mu1, values) + values(deviation->first);
@@ -363,13 +345,6 @@ void fill_predictions(const Residuals& residuals, const Minimum& best, const Unc
 
 namespace {
 
-std::string scatter_text(const ExcessVariance& excess) {
-  return excess.along == excess.across
-             ? fmt::format("{} mm per axis", number(1e3 * excess.runs()))
-             : fmt::format("{} mm along (v) and {} mm across their displacement (alpha)",
-                           number(1e3 * excess.along), number(1e3 * excess.across));
-}
-
 double sd_of(const CorrelatedVariances& variances, ErrorPart part) {
   return std::sqrt(variances[static_cast<std::size_t>(part)]);
 }
@@ -377,8 +352,7 @@ double sd_of(const CorrelatedVariances& variances, ErrorPart part) {
 /// Rms about the mean of a run; a sine's two coefficients add up to one variance.
 double rms_of(const CorrelatedErrors& errors) {
   return std::sqrt(errors.drift * errors.drift / 12 + errors.walk * errors.walk / 6 +
-                   std::pow(std::hypot(errors.circle, errors.common_circle), 2) +
-                   2 * std::pow(std::hypot(errors.overtones, errors.common_overtones), 2));
+                   errors.circle * errors.circle + 2 * errors.overtones * errors.overtones);
 }
 
 }  // namespace
@@ -386,9 +360,7 @@ double rms_of(const CorrelatedErrors& errors) {
 void fill_excess_variance(const Residuals& residuals, bool allowed, FitResult& result) {
   const Problem& problem = residuals.unknowns().problem();
   const ExcessVariance& excess = residuals.excess_variance();
-  result.scatter = excess.runs();
-  result.scatter_along = excess.along;
-  result.scatter_across = excess.across;
+  result.scatter = result.scatter_between_runs = excess.runs;
   for (const auto& run : excess.trajectories) result.scatter = std::max(result.scatter, run.between_points);
   if (!any(excess)) {
     result.covariance_meaning =
@@ -410,15 +382,16 @@ void fill_excess_variance(const Residuals& residuals, bool allowed, FitResult& r
       "intervals with Student's t.{}",
       repeated ? "repeated runs" : "the residuals", robust_meaning(result.loss));
   if (repeated)
+    result.warnings.push_back(
+        fmt::format("Repeated runs scatter by {} mm per axis more than their own sigma; with that the fit "
+                    "agrees with all "
+                    "runs.",
+                    number(1e3 * excess.runs)));
+  else if (excess.runs > 0 && result.p_value < kSurprise)
     result.warnings.push_back(fmt::format(
-        "Repeated runs scatter by {} more than their own sigma; with that the fit agrees with all "
-        "runs.",
-        scatter_text(excess)));
-  else if (excess.runs() > 0 && result.p_value < kSurprise)
-    result.warnings.push_back(fmt::format(
-        "The runs scatter by {} more than their own sigma (chi2 {}, {}){}something in A, w, tilt "
+        "The runs scatter by {} mm per axis more than their own sigma (chi2 {}, {}){}something in A, w, tilt "
         "or the model is wrong.",
-        scatter_text(excess), number(result.chi2, 4), chance_text(result.p_value),
+        number(1e3 * excess.runs), number(result.chi2, 4), chance_text(result.p_value),
         result.replicate_dof >= 6 ? ", and by more than repeated runs do: " : ": real scatter, or "));
   for (std::size_t i = 0; i < excess.trajectories.size(); ++i)
     if (const auto& run = excess.trajectories[i]; run.between_points > 0)
@@ -433,27 +406,20 @@ void fill_correlated_errors(const Residuals& residuals, FitResult& result) {
   const CorrelatedVariances& variances = residuals.excess_variance().correlated;
   CorrelatedErrors& errors = result.correlated_errors;
   errors.time = residuals.reference_time();
-  const double own_drift = sd_of(variances, ErrorPart::drift),
-               common_drift = sd_of(variances, ErrorPart::common_drift);
-  errors.drift = std::hypot(own_drift, common_drift);
+  errors.drift = sd_of(variances, ErrorPart::drift);
   errors.walk = sd_of(variances, ErrorPart::walk);
   errors.circle = sd_of(variances, ErrorPart::circle);
   errors.overtones = sd_of(variances, ErrorPart::overtones);
-  errors.common_circle = sd_of(variances, ErrorPart::common_circle);
-  errors.common_overtones = sd_of(variances, ErrorPart::common_overtones);
   if (!errors.any()) return;
   std::string parts;
   const auto add = [&](double size, const std::string& what) {
     if (size > 0) parts += fmt::format("{}{} um {}", parts.empty() ? "" : ", ", number(1e6 * size, 2), what);
   };
   const std::string over = " over " + number(errors.time, 2) + " s";
-  add(own_drift, "of straight drift" + over);
+  add(errors.drift, "of straight drift" + over);
   add(errors.walk, "of Brownian walk" + over);
   add(errors.circle, "at the platform's frequency");
   add(errors.overtones, "at its second and third multiple");
-  add(errors.common_circle, "at the platform's frequency, the same in all runs");
-  add(errors.common_overtones, "at its second and third multiple, the same in all runs");
-  add(common_drift, "of straight drift" + over + " along and across the displacement, the same in all runs");
   if (result.p_value < kSurprise) {
     const double rms = rms_of(errors);
     result.scatter = std::max(result.scatter, rms);
@@ -463,8 +429,8 @@ void fill_correlated_errors(const Residuals& residuals, FitResult& result) {
                     number(1e3 * rms), chance_text(result.p_value)));
   }
   result.covariance_meaning += fmt::format(
-      " It counts correlated errors of the points of a track, independent between runs unless "
-      "stated, of one size estimated from all tracks by restricted maximum likelihood (sd per axis: "
+      " It counts correlated errors of the points of a track, independent between runs, "
+      "of one size estimated from all tracks by restricted maximum likelihood (sd per axis: "
       "{}); the intervals count its uncertainty (Student's t by Satterthwaite).",
       parts);
 }

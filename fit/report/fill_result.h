@@ -19,7 +19,6 @@ void fill_profile(const Profile& profile, double level, ParameterEstimate& estim
 /// RunResult::influence.
 void fill_influence(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
                     FitResult& result);
-/// All minima near the best, the lag folded; the best with its final values first.
 /// Of the runs that were held out: the fit's own covariance of what it says of them is part of their
 /// residuals' sd.
 void fill_predictions(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
@@ -27,9 +26,8 @@ void fill_predictions(const Residuals& residuals, const Minimum& best, const Unc
 /// mu1 against speed where a law of speed was set free.
 void fill_mu_of_speed(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
                       FitResult& result);
+/// All minima near the best, the lag folded; the best with its final values first.
 void fill_minima(const Residuals& residuals, const std::vector<Minimum>& minima, FitResult& result);
-/// Counts trial values without a motion; a warning where some lie near the minimum.
-void fill_failures(const Residuals& residuals, const Minimum& best, FitResult& result);
 
 // The errors that the covariance counts: numbers and sentences.
 

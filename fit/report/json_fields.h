@@ -34,30 +34,30 @@ inline std::vector<std::string> words_of<Verdict>() {
 }
 template <>
 inline std::vector<std::string> words_of<Loss>() {
-  return {"squares", "huber", "cauchy"};
+  return {"squares", "huber"};
 }
 template <>
 inline std::vector<std::string> words_of<model::Start>() {
   return {"rest", "circling", "steady"};
 }
+/// Of an enumeration from 0 to the last.
+template <class Enum>
+std::vector<std::string> names_to(Enum last) {
+  std::vector<std::string> words;
+  for (int k = 0; k <= static_cast<int>(last); ++k) words.emplace_back(to_string(static_cast<Enum>(k)));
+  return words;
+}
 template <>
 inline std::vector<std::string> words_of<Agreement>() {
-  using enum Agreement;
-  std::vector<std::string> words;
-  for (const Agreement agreement : {good, only_with_scatter, poor, too_good, unknown})
-    words.emplace_back(to_string(agreement));
-  return words;
+  return names_to(Agreement::unknown);
 }
 template <>
 inline std::vector<std::string> words_of<Use>() {
-  return {"use", "care", "do_not_use"};
+  return names_to(Use::do_not_use);
 }
 template <>
 inline std::vector<std::string> words_of<FitParameter>() {
-  std::vector<std::string> words;
-  for (int k = 0; k <= static_cast<int>(FitParameter::static_friction); ++k)
-    words.emplace_back(to_string(static_cast<FitParameter>(k)));
-  return words;
+  return names_to(FitParameter::static_friction);
 }
 
 class Writer {

@@ -74,7 +74,7 @@ std::string explanation_table(const FitResult& fit) {
 }
 
 std::string parameter_table(const FitResult& fit) {
-  const bool bootstrap = fit.bootstrap > 0;
+  const bool bootstrap = fit.bootstrap.refits > 0;
   std::string text =
       fmt::format("    {:<24} {:>12} {:>10}  {:<24} {:<24} {}{}\n", "", "estimate", "sd", "95 % interval",
                   "covariance", "profile", bootstrap ? "               95 % bootstrap" : "");
@@ -92,8 +92,8 @@ std::string parameter_table(const FitResult& fit) {
         bootstrap ? "  " + interval(p.bootstrap_ci95, factor, p.sd) : "");
   }
   if (bootstrap)
-    text += fmt::format("    bootstrap: {} refits to simulated data, seed {}\n", fit.bootstrap,
-                        fit.bootstrap_seed);
+    text += fmt::format("    bootstrap: {} refits to simulated data, seed {}\n", fit.bootstrap.refits,
+                        fit.bootstrap.seed);
   return text;
 }
 
@@ -159,13 +159,6 @@ bool FitResult::coder_exceeds_interval() const {
       return true;
   }
   return false;
-}
-
-std::string slide_sentence(const RunResult& run) {
-  const auto speed = run.nuisance.find("initial_speed_mm_s");
-  if (speed == run.nuisance.end()) return "";
-  return fmt::format("Initial speed {:.4g} mm/s; {} points, residual {:.3g} mm rms.", speed->second,
-                     run.points, run.rms_m * 1e3);
 }
 
 std::string FitResult::verdict_text() const {

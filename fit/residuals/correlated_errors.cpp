@@ -20,11 +20,6 @@ std::size_t index(ErrorPart part) {
 
 }  // namespace
 
-Eigen::Matrix2d ErrorShapes::axes(std::size_t j) const {
-  if (part[j] != index(ErrorPart::common_drift)) return Eigen::Matrix2d::Identity();
-  return (Eigen::Matrix2d() << way.x(), -way.y(), way.y(), way.x()).finished();
-}
-
 ErrorShapes error_shapes(const std::vector<double>& times, double w, double start_phase,
                          double reference_time, const ErrorParts& wanted) {
   ErrorShapes shapes;
@@ -42,17 +37,11 @@ ErrorShapes error_shapes(const std::vector<double>& times, double w, double star
     const double rate = (static_cast<double>(k) - 0.5) * pi;
     add(ErrorPart::walk, std::sqrt(2 * duration / reference_time) / rate * (rate / duration * t).sin());
   }
-  const auto add_sines = [&](ErrorPart first, ErrorPart others) {
-    for (int order = 1; order <= 3 && w > 0; ++order) {
-      const ErrorPart part = order == 1 ? first : others;
-      if (!wanted[index(part)]) continue;
-      add(part, (order * (start_phase + w * t)).cos());
-      add(part, (order * (start_phase + w * t)).sin());
-    }
-  };
-  add_sines(ErrorPart::circle, ErrorPart::overtones);
-  add_sines(ErrorPart::common_circle, ErrorPart::common_overtones);
-  add(ErrorPart::common_drift, (t - 0.5 * duration) / reference_time);
+  for (int order = 1; order <= 3 && w > 0; ++order) {
+    const ErrorPart part = order == 1 ? ErrorPart::circle : ErrorPart::overtones;
+    add(part, (order * (start_phase + w * t)).cos());
+    add(part, (order * (start_phase + w * t)).sin());
+  }
   shapes.values.resize(n, static_cast<Eigen::Index>(columns.size()));
   for (std::size_t j = 0; j < columns.size(); ++j)
     shapes.values.col(static_cast<Eigen::Index>(j)) = columns[j];
@@ -62,10 +51,9 @@ ErrorShapes error_shapes(const std::vector<double>& times, double w, double star
 Eigen::MatrixXd error_columns(const ErrorShapes& shapes) {
   const Eigen::Index points = shapes.values.rows();
   Eigen::MatrixXd columns(2 * points, 2 * shapes.values.cols());
-  for (Eigen::Index j = 0; j < shapes.values.cols(); ++j) {
-    const Eigen::Matrix2d axes = shapes.axes(static_cast<std::size_t>(j));
-    for (Eigen::Index i = 0; i < points; ++i) columns.block<2, 2>(2 * i, 2 * j) = shapes.values(i, j) * axes;
-  }
+  for (Eigen::Index j = 0; j < shapes.values.cols(); ++j)
+    for (Eigen::Index i = 0; i < points; ++i)
+      columns.block<2, 2>(2 * i, 2 * j) = shapes.values(i, j) * Eigen::Matrix2d::Identity();
   return columns;
 }
 
@@ -165,21 +153,6 @@ void PointWhitening::apply(Eigen::Ref<Eigen::VectorXd> column) const {
     for (const Eigen::Vector2d& x : state) innovation -= points_[i].share * x;
     here = points_[i].white * innovation;
     for (Eigen::Vector2d& x : state) {
-      x = gain->decay * x + gain->gain * innovation;
-      ++gain;
-    }
-  }
-}
-
-void PointWhitening::colour(Eigen::Ref<Eigen::VectorXd> column) const {
-  std::vector<Eigen::Vector2d> state(slow_, Eigen::Vector2d::Zero());
-  const Gain* gain = gains_.data();
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    auto here = column.segment<2>(2 * static_cast<Eigen::Index>(i));
-    const Eigen::Vector2d innovation = this->innovation(i, here);
-    here = innovation;
-    for (Eigen::Vector2d& x : state) {
-      here += points_[i].share * x;
       x = gain->decay * x + gain->gain * innovation;
       ++gain;
     }

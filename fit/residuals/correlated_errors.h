@@ -11,21 +11,16 @@ namespace tribotrack::fit::internal {
 
 // clang-format off
 /// Registration errors are similar over many frames, and it is their slow part (mean drift, circle) that moves
-/// the parameters. Every run has its own error of the first four parts; the last three are one error for all
-/// runs (one camera, one platform: the circle seen is too small by the same share in every run, the displacement
-/// too short by the same length). All runs of a campaign have the same variances. Per axis:
+/// the parameters. Every run has its own; all runs of a campaign have the same variances. Per axis:
 ///   drift      a straight line in time (a rotating part whose tracked point is not its centre)
 ///   walk       Brownian motion by its Karhunen-Loeve modes sqrt(2 T) sin((k - 1/2) pi t/T) / ((k - 1/2) pi)
 ///              [Loeve, Probability Theory II, section 37.5]
 ///   circle     cos and sin of the platform's phase
 ///   overtones  the same of its second and third multiple
-/// A drift that runs share has one component along and one across the displacement of each.
+/// What all runs share of them are errors of the platform's motion and the scale: conditions of the fit.
 // clang-format on
-enum class ErrorPart { drift, walk, circle, overtones, common_circle, common_overtones, common_drift };
-constexpr std::size_t kErrorParts = 7;
-constexpr bool is_common(std::size_t part) {
-  return part >= static_cast<std::size_t>(ErrorPart::common_circle);
-}
+enum class ErrorPart { drift, walk, circle, overtones };
+constexpr std::size_t kErrorParts = 4;
 constexpr std::size_t kWalkModes = 16;
 
 /// m^2 per axis: of the drift and the walk over the reference time, of each coefficient of the sines.
@@ -35,24 +30,19 @@ using CorrelatedVariances = std::array<double, kErrorParts>;
 struct ErrorShapes {
   Eigen::MatrixXd values;         ///< point x shape
   std::vector<std::size_t> part;  ///< of each shape
-  Eigen::Vector2d way{1, 0};      ///< unit vector along the run's displacement
-  /// The axes of shape j's two coefficients, in columns: along and across the way for a common drift, else x
-  /// and y.
-  Eigen::Matrix2d axes(std::size_t j) const;
   std::size_t count() const { return part.size(); }
 };
 
 /// A choice of parts.
 using ErrorParts = std::array<bool, kErrorParts>;
-constexpr ErrorParts kOwnParts{true, true, true, true, false, false, false};  ///< separate in every run
-constexpr ErrorParts kAllParts{true, true, true, true, true, true, true};
+constexpr ErrorParts kAllParts{true, true, true, true};
 
 /// `times` of the points from the first, s, where the platform's phase is `start_phase`; w = 0 where no
 /// platform moves; shapes of parts with `wanted[part]` only.
 ErrorShapes error_shapes(const std::vector<double>& times, double angular_frequency, double start_phase,
                          double reference_time, const ErrorParts& wanted);
 
-/// The shapes in both axes, two rows a point: column 2 j + k is shape j along the k-th of its axes.
+/// The shapes in both axes, two rows a point: column 2 j is shape j along x, 2 j + 1 along y.
 Eigen::MatrixXd error_columns(const ErrorShapes& shapes);
 
 /// U: such columns behind the points' own whitening, the unknown start point, which `start` spans behind it

@@ -28,8 +28,6 @@ class PointWhitening {
   Eigen::Index rows() const { return 2 * static_cast<Eigen::Index>(points_.size()); }
   /// L^-1 column, in place.
   void apply(Eigen::Ref<Eigen::VectorXd> column) const;
-  /// L column: errors of covariance V out of independent numbers of variance 1.
-  void colour(Eigen::Ref<Eigen::VectorXd> column) const;
   /// Of a sum g' L^-1 y of whitened rows, g = `column`, in place: what it is of the points' own noise, in
   /// units of its sd, so that the squares of g add up to the sum's variance and those that are left to what
   /// of it is the points' own.

@@ -13,12 +13,8 @@
 namespace tribotrack::fit {
 namespace {
 
-bool is_free(const Problem& problem, FitParameter parameter) {
-  return std::find(problem.free.begin(), problem.free.end(), parameter) != problem.free.end();
-}
-
 void need(const Problem& problem, FitParameter parameter) {
-  if (is_free(problem, parameter) || problem.fixed.count(parameter)) return;
+  if (problem.fits(parameter) || problem.fixed.count(parameter)) return;
   throw DataError(std::string("No value for ") + to_string(parameter) +
                   ": fit it ([fit] parameters) or give it ([fit.fixed]).");
 }
@@ -73,8 +69,6 @@ void check_run(const TrajectoryRun& run) {
   if (n < 8 || track.position.size() != n || track.covariance.size() != n)
     throw DataError("Run '" + run.name + "': " + std::to_string(n) +
                     " tracked points; a fit to the trajectory needs at least 8.");
-  if (!track.shared.empty() && track.shared.size() != n)
-    throw DataError("Run '" + run.name + "': the track's shared errors are those of other rows.");
   for (const SlowError& slow : track.slow)
     if (!(slow.sd >= 0) || !(slow.time > 0) || !std::isfinite(slow.sd))
       throw DataError("Run '" + run.name + "': a slow error of the track has no sd or no correlation time.");
@@ -88,57 +82,49 @@ void check_run(const TrajectoryRun& run) {
 }  // namespace
 
 const char* to_string(FitParameter parameter) {
-  switch (parameter) {
-    case FitParameter::mu1:
-      return "mu1";
-    case FitParameter::mu2:
-      return "mu2";
-    case FitParameter::lag:
-      return "phase_lag_rad";
-    case FitParameter::delay:
-      return "delay_s";
-    case FitParameter::amplitude:
-      return "amplitude_mm";
-    case FitParameter::angular_frequency:
-      return "angular_frequency_rad_s";
-    case FitParameter::scale:
-      return "mm_per_px";
-    case FitParameter::tilt_x:
-      return "tilt_x_rad";
-    case FitParameter::tilt_y:
-      return "tilt_y_rad";
-    case FitParameter::amplitude_ratio:
-      return "amplitude_ratio";
-    case FitParameter::phase_shift:
-      return "phase_shift_rad";
-    case FitParameter::phase_reference:
-      return "phase_reference_rad";
-    case FitParameter::gravity:
-      return "gravity_m_s2";
-    case FitParameter::slope:
-      return "slope_rad";
-    case FitParameter::start_phase:
-      return "start_phase_rad";
-    case FitParameter::mu2_width:
-      return "mu2_width_1_rad";
-    case FitParameter::wear:
-      return "wear";
-    case FitParameter::stribeck:
-      return "stribeck";
-    case FitParameter::viscous:
-      return "viscous_1_s";
-    case FitParameter::gate_edges:
-      return "gate_edges_rad2";
-    case FitParameter::mu2_speed:
-      return "mu2_speed";
-    case FitParameter::static_friction:
-      return "static_friction";
-  }
-  return "?";
+  constexpr const char* kNames[] = {"mu1",
+                                    "mu2",
+                                    "phase_lag_rad",
+                                    "delay_s",
+                                    "amplitude_mm",
+                                    "angular_frequency_rad_s",
+                                    "mm_per_px",
+                                    "tilt_x_rad",
+                                    "tilt_y_rad",
+                                    "amplitude_ratio",
+                                    "phase_shift_rad",
+                                    "phase_reference_rad",
+                                    "gravity_m_s2",
+                                    "slope_rad",
+                                    "start_phase_rad",
+                                    "mu2_width_1_rad",
+                                    "wear",
+                                    "stribeck",
+                                    "viscous_1_s",
+                                    "gate_edges_rad2",
+                                    "mu2_speed",
+                                    "static_friction"};
+  return kNames[static_cast<std::size_t>(parameter)];
 }
 
 double DiscSpin::rate_sd() const {
   return std::sqrt(covariance(0, 0));
+}
+
+bool Problem::fits(FitParameter parameter) const {
+  return std::ranges::count(free, parameter) > 0;
+}
+
+bool Problem::has_pulses() const {
+  return std::ranges::any_of(summary_runs,
+                             [](const SummaryRun& r) { return r.scenario.friction.pulse_width > 0; }) ||
+         std::ranges::any_of(trajectory_runs, [](const TrajectoryRun& r) {
+           return !r.free_slide && r.scenario.friction.pulse_width > 0;
+         });
+}
+
+bool Problem::has_driven_tracks() const {
+  return std::ranges::any_of(trajectory_runs, [](const TrajectoryRun& run) { return !run.free_slide; });
 }
 
 bool Problem::sets_free(FitParameter quantity) const {
@@ -167,17 +153,10 @@ void Problem::validate() const {
   if (!(between_slides >= 0) || !std::isfinite(between_slides))
     throw DataError("The sd of mu1 between slides must not be negative.");
 
-  bool pulses = false;
-  for (const auto& run : summary_runs) {
-    check_run(run);
-    pulses = pulses || run.scenario.friction.pulse_width > 0;
-  }
-  for (const auto& run : trajectory_runs) {
-    check_run(run);
-    pulses = pulses || (!run.free_slide && run.scenario.friction.pulse_width > 0);
-  }
+  for (const auto& run : summary_runs) check_run(run);
+  for (const auto& run : trajectory_runs) check_run(run);
   need(*this, FitParameter::mu1);
-  if (pulses) need(*this, FitParameter::mu2);
+  if (has_pulses()) need(*this, FitParameter::mu2);
 }
 
 std::pair<std::size_t, std::size_t> Problem::data_and_unknowns() const {
@@ -187,7 +166,7 @@ std::pair<std::size_t, std::size_t> Problem::data_and_unknowns() const {
     unknowns += run.free_slide ? 4 : 2;
   }
   for (const auto& [parameter, known] : prior)
-    if (is_free(*this, parameter)) ++data;
+    if (fits(parameter)) ++data;
   return {data, unknowns};
 }
 

@@ -25,16 +25,18 @@ Residuals::Residuals(const Unknowns& unknowns, int threads)
   }
   excess_.trajectories.resize(first_point_.size());
   tracks_.resize(first_point_.size());
+  const auto data = static_cast<Eigen::Index>(2 * own_.size());
+  layout_.groups.push_back({data, data + static_cast<Eigen::Index>(priors_.size()), {unknowns.common(), 0}});
   prepare();
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const auto points = 2 * static_cast<Eigen::Index>(tracks_[i]->points());
+    layout_.groups.push_back({points, points, unknowns.own(i)});
+    for (const NuisanceBlock& block : unknowns.nuisances(i)) layout_.groups.back().rows += block.known.rows();
+  }
 }
 
 void Residuals::set_excess_variance(const ExcessVariance& excess) {
   excess_ = excess;
-  prepare();
-}
-
-void Residuals::set_weights(const Weights& weights) {
-  weights_ = weights;
   prepare();
 }
 
@@ -51,41 +53,10 @@ bool Residuals::linearise(const Eigen::VectorXd& values, Laws laws) {
 
 void Residuals::prepare() {
   parallel_for(tracks_.size(), threads_, [&](std::size_t i) {
-    tracks_[i] = std::make_shared<TrackWhitening>(
-        problem_->trajectory_runs[i], first_point_[i], excess_.trajectories[i],
-        weights_.points.empty() ? std::vector<double>{} : weights_.points[i], excess_.correlated,
-        reference_time_);
+    tracks_[i] =
+        std::make_shared<TrackWhitening>(problem_->trajectory_runs[i], first_point_[i],
+                                         excess_.trajectories[i], excess_.correlated, reference_time_);
   });
-  common_.reset();
-  const auto sharing = std::find_if(tracks_.begin(), tracks_.end(),
-                                    [](const auto& track) { return track->common().count() > 0; });
-  const bool share = sharing != tracks_.end();
-  const Eigen::Index common = unknowns_->common();
-  layout_ = {};
-  layout_.groups.push_back(
-      {static_cast<Eigen::Index>(2 * problem_->summary_runs.size() + priors_.size()), {common, 0}});
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    if (!share || i == 0)
-      layout_.groups.push_back({0, share ? Range{common, unknowns_->size() - common} : unknowns_->own(i)});
-    RowLayout::Group& group = layout_.groups.back();
-    RowLayout::Place place{layout_.groups.size() - 1, group.rows,
-                           2 * static_cast<Eigen::Index>(tracks_[i]->points())};
-    place.rows = place.points;
-    for (const NuisanceBlock& block : unknowns_->nuisances(i)) place.rows += block.known.rows();
-    group.rows += place.rows;
-    layout_.tracks.push_back(place);
-  }
-  if (!share) return;
-  // (I + U G U')^(-1/2) behind the runs' own whitening, U their shapes one below the other.
-  const ErrorShapes& like = (*sharing)->common();
-  Eigen::MatrixXd stacked =
-      Eigen::MatrixXd::Zero(layout_.groups.back().rows, 2 * static_cast<Eigen::Index>(like.count()));
-  for (std::size_t i = 0; i < tracks_.size(); ++i)
-    if (tracks_[i]->common().count() > 0)
-      stacked.middleRows(layout_.tracks[i].row, layout_.tracks[i].points) =
-          tracks_[i]->whitened(error_columns(tracks_[i]->common()));
-  common_ =
-      std::make_shared<CorrelatedWhitening>(std::move(stacked), column_variances(like, excess_.correlated));
 }
 
 Eigen::Index RowLayout::rows() const {
@@ -130,7 +101,7 @@ double Residuals::tolerance_for(double share, double coarsest) const {
   const double of_many = std::sqrt(std::max(1.0, static_cast<double>(problem_->summary_runs.size()) / kFew));
   std::vector<double> relative;
   for (const auto& run : problem_->summary_runs) {
-    const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + excess_.runs();
+    const double sigma = std::sqrt(0.5 * run.measured.covariance.trace()) + excess_.runs;
     relative.push_back(sigma / std::max(run.measured.vector.norm(), sigma) / of_many);
   }
   for (std::size_t i = 0; i < problem_->trajectory_runs.size(); ++i) {
@@ -143,7 +114,12 @@ double Residuals::tolerance_for(double share, double coarsest) const {
   return std::clamp(share * upper_median(relative), 1e-9, coarsest);
 }
 
-std::optional<Linearised> Residuals::at(const Eigen::VectorXd& values, bool derivatives) const {
+std::optional<Linearised> Residuals::at(const Eigen::VectorXd& values, bool derivatives,
+                                        std::string* why) const {
+  const auto none = [&](const std::string& reason) -> std::optional<Linearised> {
+    if (why) *why = reason;
+    return std::nullopt;
+  };
   Linearised result;
   result.groups.resize(1 + tracks_.size());
   RowGroup& shared = result.groups.front();
@@ -160,11 +136,9 @@ std::optional<Linearised> Residuals::at(const Eigen::VectorXd& values, bool deri
         result.groups[1 + i - summaries] = trajectory(values, i - summaries, derivatives);
     });
   } catch (const model::InvalidParameter& no_motion) {
-    failures_->add(values, no_motion.what());
-    return std::nullopt;
+    return none(no_motion.what());
   } catch (const model::StepLimitExceeded& no_end) {
-    failures_->add(values, no_end.what());
-    return std::nullopt;
+    return none(no_end.what());
   }
   auto row = static_cast<Eigen::Index>(2 * summaries);
   for (const auto& [unknown, prior] : priors_) {
@@ -172,23 +146,14 @@ std::optional<Linearised> Residuals::at(const Eigen::VectorXd& values, bool deri
     if (derivatives) shared.shared(row, unknown) = 1 / prior.sd;
     ++row;
   }
-  if (common_) {
-    RowGroup all;
-    const Linearised tracks{{result.groups.begin() + 1, result.groups.end()}};
-    all.residuals = tracks.residuals();
-    common_->apply(all.residuals);
-    all.first_own = unknowns_->common();
-    Eigen::MatrixXd jacobian =
-        derivatives ? tracks.jacobian(unknowns_->size()) : Eigen::MatrixXd(all.residuals.size(), 0);
-    for (Eigen::Index j = 0; j < jacobian.cols(); ++j) common_->apply(jacobian.col(j));
-    const Eigen::Index columns = std::min(unknowns_->common(), jacobian.cols());
-    all.shared = jacobian.leftCols(columns);
-    all.own = jacobian.rightCols(jacobian.cols() - columns);
-    result.groups = {std::move(shared), std::move(all)};
+  for (std::size_t g = 0; g < shift_.size(); ++g) {
+    Eigen::VectorXd shift = shift_[g];
+    for (std::size_t i = 0; g == 0 && i < summaries; ++i)
+      shift.segment<2>(2 * static_cast<Eigen::Index>(i)) *= std::sqrt(weight(i));
+    result.groups[g].residuals += shift;
   }
   if (result.finite()) return result;
-  failures_->add(values, "the modelled motion is not finite");
-  return std::nullopt;
+  return none("the modelled motion is not finite");
 }
 
 double Residuals::chi2(const Eigen::VectorXd& values) const {
@@ -197,14 +162,8 @@ double Residuals::chi2(const Eigen::VectorXd& values) const {
 }
 
 Eigen::Matrix2d Residuals::covariance(std::size_t index) const {
-  const Displacement& measured = problem_->summary_runs[index].measured;
-  const Eigen::Matrix2d known = measured.covariance + own_[index];
-  const double along = excess_.along * excess_.along, across = excess_.across * excess_.across;
-  const double length = measured.vector.norm();
-  if (!(length > 0))  // no direction
-    return known + std::max(along, across) * Eigen::Matrix2d::Identity();
-  const Eigen::Vector2d u = measured.vector / length;
-  return known + across * Eigen::Matrix2d::Identity() + (along - across) * u * u.transpose();
+  return problem_->summary_runs[index].measured.covariance + own_[index] +
+         excess_.runs * excess_.runs * Eigen::Matrix2d::Identity();
 }
 
 void Residuals::set_own_errors(const Eigen::VectorXd& values) {
@@ -235,7 +194,7 @@ Eigen::Matrix2Xd Residuals::derivatives(const Linearised& at, std::size_t index)
 
 double Residuals::root_of_weight(std::size_t index) const {
   constexpr double kHeldOut = 1e-6;
-  return problem_->summary_runs[index].held_out ? kHeldOut : std::sqrt(weights_.of(index));
+  return problem_->summary_runs[index].held_out ? kHeldOut : std::sqrt(weight(index));
 }
 
 void Residuals::summary(const Eigen::VectorXd& values, std::size_t index, bool derivatives,
@@ -269,7 +228,7 @@ RowGroup Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,
   const TrackWhitening& track = *tracks_[index];
   const PointModel modelled = modelled_points(values, index, derivatives);
   const Range own = unknowns_->own(index);
-  const Eigen::Index rows = layout_.tracks[index].rows, shared = derivatives ? unknowns_->common() : 0;
+  const Eigen::Index rows = layout_.groups[1 + index].rows, shared = derivatives ? unknowns_->common() : 0;
   Eigen::Index row = modelled.positions.size();
   RowGroup group{Eigen::VectorXd(rows), Eigen::MatrixXd::Zero(rows, shared),
                  Eigen::MatrixXd::Zero(rows, derivatives ? own.count : 0), own.first};
@@ -289,22 +248,8 @@ RowGroup Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index,
   return group;
 }
 
-PointResiduals Residuals::points(const Eigen::VectorXd& values, std::size_t index,
-                                 const Eigen::VectorXd& common) const {
-  return tracks_[index]->explained(modelled_points(values, index, false).positions, common);
-}
-
-Eigen::VectorXd Residuals::common_error(const Eigen::VectorXd& values) const {
-  const auto here = common_ ? at(values, false) : std::nullopt;
-  return here ? common_->coefficients(here->groups[1].residuals) : Eigen::VectorXd();
-}
-
-void Residuals::take_own_noise(std::size_t group, Eigen::Ref<Eigen::VectorXd> column) const {
-  if (group == 0) return;
-  if (common_) common_->apply(column);
-  for (std::size_t i = 0; i < tracks_.size(); ++i)
-    if (const RowLayout::Place& place = layout_.tracks[i]; place.group == group)
-      tracks_[i]->take_own(column.segment(place.row, place.points));
+PointResiduals Residuals::points(const Eigen::VectorXd& values, std::size_t index) const {
+  return tracks_[index]->explained(modelled_points(values, index, false).positions);
 }
 
 }  // namespace tribotrack::fit::internal

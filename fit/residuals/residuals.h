@@ -1,19 +1,19 @@
 // All whitened residuals of a problem and their exact derivatives.
 //
 // Rows: two a summary run, L^-1 (measured - modelled / scale) with L L' the covariance; two a trajectory
-// point (track_whitening.h). Rows of data are multiplied by the root of their robust weight. One row a prior,
-// (value - mean)/sd. Group 0 holds summary runs and priors of what all runs share; then there is one group
-// for each trajectory run, its points and the priors of its own unknowns, or one for all trajectory runs
-// where they have correlated errors in common.
+// point (track_whitening.h). Rows of summary runs are multiplied by the root of their robust weight. One row
+// a prior, (value - mean)/sd. Group 0 holds summary runs and priors of what all runs share; then there is one
+// group for each trajectory run, its points and the priors of its own unknowns.
 #pragma once
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
-#include "fit/residuals/failed_evaluations.h"
 #include "fit/residuals/linear_terms.h"
 #include "fit/residuals/linearised.h"
 #include "fit/residuals/point_model.h"
@@ -24,32 +24,18 @@ namespace tribotrack::fit::internal {
 
 /// Errors beyond the data's own sigma.
 struct ExcessVariance {
-  double along = 0, across = 0;  ///< m, between summary runs: along the displacement (v) and across (alpha)
-  double runs() const { return std::max(along, across); }
+  double runs = 0;  ///< m per axis, between summary runs
   std::vector<PointScatter> trajectories;
   CorrelatedVariances correlated{};  ///< of driven trajectory runs, common to all
 };
 
-/// Weights of a robust loss. Empty: all are 1.
-struct Weights {
-  std::vector<double> runs;                 ///< summary runs
-  std::vector<std::vector<double>> points;  ///< trajectory runs
-  double of(std::size_t summary_run) const { return runs.empty() ? 1 : runs[summary_run]; }
-};
-
-/// Where rows and unknowns are.
+/// Where rows and unknowns are: the group of summary runs and shared priors, then one of each trajectory run.
 struct RowLayout {
   struct Group {
-    Eigen::Index rows = 0;
-    Range own;  ///< unknowns of its runs alone
-  };
-  /// The points of a trajectory run, the priors of its own unknowns behind them.
-  struct Place {
-    std::size_t group = 0;
-    Eigen::Index row = 0, points = 0, rows = 0;  ///< the first; of points; with the priors
+    Eigen::Index data = 0, rows = 0;  ///< rows of data; with the priors behind them
+    Range own;                        ///< unknowns of its run alone
   };
   std::vector<Group> groups;
-  std::vector<Place> tracks;
   Eigen::Index rows() const;  ///< of all groups
 };
 
@@ -62,8 +48,12 @@ class Residuals {
   // What the residuals are whitened by.
   const ExcessVariance& excess_variance() const { return excess_; }
   void set_excess_variance(const ExcessVariance& excess);
-  const Weights& weights() const { return weights_; }
-  void set_weights(const Weights& weights);
+  /// Of summary runs, by a robust loss; empty: all are 1.
+  void set_weights(const std::vector<double>& weights) { weights_ = weights; }
+  const std::vector<double>& weights() const { return weights_; }
+  double weight(std::size_t summary_run) const { return weights_.empty() ? 1 : weights_[summary_run]; }
+  /// Added to the residuals as they are without weights, group by group; empty: nothing is.
+  void set_shift(std::vector<Eigen::VectorXd> shift) { shift_ = std::move(shift); }
   /// What SummaryRun::own adds to the covariance of each run, linearised at these values; until then nothing.
   void set_own_errors(const Eigen::VectorXd& values);
   const Eigen::Matrix2d& own_error(std::size_t summary_run) const { return own_[summary_run]; }
@@ -85,13 +75,11 @@ class Residuals {
   bool linearise(const Eigen::VectorXd& values, Laws laws = Laws::anew);
   bool linear_in_conditions() const { return terms_ != nullptr; }
 
-  /// nullopt, and recorded in failures(), where the model has no motion at these values (InvalidParameter,
-  /// StepLimitExceeded) or the residuals are not finite; any other exception passes. Derivatives are by
-  /// physical values.
-  std::optional<Linearised> at(const Eigen::VectorXd& values, bool derivatives = true) const;
+  /// nullopt, and `why`, where the model has no motion at these values (InvalidParameter, StepLimitExceeded)
+  /// or the residuals are not finite; any other exception passes. Derivatives are by physical values.
+  std::optional<Linearised> at(const Eigen::VectorXd& values, bool derivatives = true,
+                               std::string* why = nullptr) const;
   double chi2(const Eigen::VectorXd& values) const;  ///< infinity where at() has none
-  /// Of these residuals and all their copies.
-  const FailedEvaluations& failures() const { return *failures_; }
 
   const RowLayout& layout() const { return layout_; }
   /// Independent rows less unknowns (trajectory points divided by their correlation time).
@@ -107,14 +95,7 @@ class Residuals {
   /// share.
   Eigen::Vector2d difference(const Linearised& at, std::size_t summary_run) const;
   Eigen::Matrix2Xd derivatives(const Linearised& at, std::size_t summary_run) const;
-  /// `common` is common_error() of the same values; without it PointResiduals::correlated holds the run's
-  /// own.
-  PointResiduals points(const Eigen::VectorXd& values, std::size_t trajectory_run,
-                        const Eigen::VectorXd& common = {}) const;
-  /// Expected errors that all runs share: coefficients of their common shapes, m. Empty without such errors.
-  Eigen::VectorXd common_error(const Eigen::VectorXd& values) const;
-  /// Of sums over whitened rows of a group: what they are of the points' own noise, in place.
-  void take_own_noise(std::size_t group, Eigen::Ref<Eigen::VectorXd> column) const;
+  PointResiduals points(const Eigen::VectorXd& values, std::size_t trajectory_run) const;
 
  private:
   double root_of_weight(std::size_t summary_run) const;
@@ -131,14 +112,13 @@ class Residuals {
   std::shared_ptr<const LinearTerms> terms_;  ///< null: none
   std::vector<std::pair<Eigen::Index, Prior>> priors_;  ///< of what all runs share
   ExcessVariance excess_;
-  Weights weights_;
+  std::vector<double> weights_;
+  std::vector<Eigen::VectorXd> shift_;
   std::vector<Eigen::Matrix2d> own_;  ///< m^2, of each summary run
   std::vector<std::size_t> first_point_;
   std::vector<std::shared_ptr<const TrackWhitening>> tracks_;
   RowLayout layout_;
-  std::shared_ptr<const CorrelatedWhitening> common_;  ///< of all trajectory runs; null without
   double reference_time_ = 0;
-  std::shared_ptr<FailedEvaluations> failures_ = std::make_shared<FailedEvaluations>();
 };
 
 }  // namespace tribotrack::fit::internal

@@ -8,57 +8,34 @@
 namespace tribotrack::fit::internal {
 
 TrackWhitening::TrackWhitening(const TrajectoryRun& run, std::size_t first, const PointScatter& scatter,
-                               const std::vector<double>& weights, const CorrelatedVariances& variances,
-                               double reference_time)
+                               const CorrelatedVariances& variances, double reference_time)
     : run_(&run), first_(first), reference_time_(reference_time) {
   const TrackTable& track = run.track;
   const double added = scatter.between_points * scatter.between_points + kFinestSigma * kFinestSigma;
   std::vector<Eigen::Matrix2d> own;
   std::vector<double> slow_share;
-  shaped_.resize(2 * static_cast<Eigen::Index>(track.time.size() - first),
-                 track.shared.empty() ? 0 : track.shared.front().cols());
   for (std::size_t i = first; i < track.time.size(); ++i) {
     const PointErrors errors = point_errors(track, i);
     times_.push_back(track.time[i] - track.time[first]);
-    const double weight = weights.empty() ? 1 : weights[i - first];
-    own.emplace_back((errors.own + added * Eigen::Matrix2d::Identity()) / weight);
+    own.emplace_back(errors.own + added * Eigen::Matrix2d::Identity());
     slow_share.push_back(errors.slow);
-    if (shaped_.cols() > 0)  // a matrix without columns has no storage that rows could be found in
-      shaped_.middleRows<2>(2 * static_cast<Eigen::Index>(i - first)) = errors.all;
   }
   noise_ = PointWhitening(times_, own, slow_share, track.slow, 1 / std::sqrt(scatter.correlation_time));
   white_ = noise_.shift();
   start_ = orthonormal(white_);
-  ErrorParts separate{}, shared{};
-  for (std::size_t part = 0; part < kErrorParts; ++part)
-    (is_common(part) ? shared : separate)[part] = variances[part] > 0;
-  common_ = shapes(shared);
-  const ErrorShapes found = shapes(separate);
-  const Eigen::Index told = shaped_.cols(), columns = 2 * static_cast<Eigen::Index>(found.count());
-  if (told + columns == 0) return;
-  sizes_ = Eigen::VectorXd::Ones(told + columns);
-  if (columns > 0) {
-    shaped_.conservativeResize(Eigen::NoChange, told + columns);
-    shaped_.rightCols(columns) = error_columns(found);
-    sizes_.tail(columns) = column_variances(found, variances).cwiseSqrt();
-  }
-  correlated_ = CorrelatedWhitening(whitened_columns(shaped_, noise_, start_), sizes_.cwiseAbs2());
-}
-
-Eigen::VectorXd TrackWhitening::drawn(const Eigen::VectorXd& numbers) const {
-  Eigen::VectorXd errors = numbers.head(noise_.rows());
-  noise_.colour(errors);
-  if (shaped_.cols() > 0) errors += shaped_ * sizes_.cwiseProduct(numbers.tail(shaped_.cols()));
-  return errors;
+  ErrorParts present{};
+  for (std::size_t part = 0; part < kErrorParts; ++part) present[part] = variances[part] > 0;
+  const ErrorShapes found = shapes(present);
+  if (found.count() == 0) return;
+  shaped_ = error_columns(found);
+  correlated_ =
+      CorrelatedWhitening(whitened_columns(shaped_, noise_, start_), column_variances(found, variances));
 }
 
 ErrorShapes TrackWhitening::shapes(const ErrorParts& wanted) const {
   if (run_->free_slide || wanted == ErrorParts{}) return {};
   const double w = run_->scenario.drive.amplitude > 0 ? run_->scenario.drive.angular_frequency : 0;
-  ErrorShapes shapes = error_shapes(times_, w, run_->scenario.start_phase, reference_time_, wanted);
-  const Eigen::Vector2d way = run_->track.position.back() - run_->track.position.front();
-  if (way.norm() > 0) shapes.way = way.normalized();
-  return shapes;
+  return error_shapes(times_, w, run_->scenario.start_phase, reference_time_, wanted);
 }
 
 Eigen::VectorXd TrackWhitening::difference(const Eigen::Matrix2Xd& positions) const {
@@ -80,8 +57,7 @@ void TrackWhitening::take_own(Eigen::Ref<Eigen::VectorXd> column) const {
   noise_.take_own(column);
 }
 
-PointResiduals TrackWhitening::explained(const Eigen::Matrix2Xd& positions,
-                                         const Eigen::VectorXd& common) const {
+PointResiduals TrackWhitening::explained(const Eigen::Matrix2Xd& positions) const {
   const Eigen::Matrix2d normal = white_.transpose() * white_;
   const Eigen::VectorXd difference = this->difference(positions);
   Eigen::VectorXd white = difference;
@@ -89,27 +65,19 @@ PointResiduals TrackWhitening::explained(const Eigen::Matrix2Xd& positions,
   PointResiduals result;
   result.start_point = solve_symmetric2(normal, white_.transpose() * white);
   white -= white_ * result.start_point;
-  // What the points share, less what a start point takes of it: as it is and whitened.
-  Eigen::VectorXd shared = Eigen::VectorXd::Zero(white.size());
-  const auto subtract = [&](const Eigen::MatrixXd& columns, const Eigen::VectorXd& coefficients) {
-    Eigen::VectorXd errors = columns * coefficients, whitened_errors = errors;
-    noise_.apply(Eigen::Ref<Eigen::VectorXd>(whitened_errors));
-    const Eigen::Vector2d taken = solve_symmetric2(normal, white_.transpose() * whitened_errors);
-    shared += errors - taken.replicate(white.size() / 2, 1);
-    white -= whitened_errors - white_ * taken;
-  };
-  if (common.size() > 0 && common_.count() > 0) subtract(error_columns(common_), common);
-  if (!correlated_.empty()) {
+  if (!correlated_.empty()) {  // their expectation, less what a start point takes of it
     Eigen::VectorXd alone = white;
     correlated_.apply(alone);
-    subtract(shaped_, correlated_.coefficients(alone));
+    Eigen::VectorXd errors = shaped_ * correlated_.coefficients(alone);
+    noise_.apply(Eigen::Ref<Eigen::VectorXd>(errors));
+    const Eigen::Vector2d taken = solve_symmetric2(normal, white_.transpose() * errors);
+    white -= errors - white_ * taken;
   }
   result.rows_taken = correlated_.rows_taken();
   for (std::size_t i = 0; i < points(); ++i) {
     const auto k = 2 * static_cast<Eigen::Index>(i);
     result.row.push_back(first_ + i);
     result.residual.emplace_back(difference.segment<2>(k) - result.start_point);
-    result.correlated.emplace_back(shared.segment<2>(k));
     result.innovation.push_back(noise_.innovation(i, white.segment<2>(k)));
     result.innovation_covariance.emplace_back(point_errors(run_->track, first_ + i).own +
                                               noise_.predicted(i));

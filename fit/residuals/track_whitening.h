@@ -1,9 +1,8 @@
 // The points of one track against a model of them: what its errors are, whitened.
 //
 // Errors of a track are those of single points and slow ones (PointWhitening), the unknown start point, and
-// errors with shapes over the whole track, told by the tracker or found in the residuals
-// (correlated_errors.h). The start point is linear: it is projected out, so that it costs no unknown and is
-// counted exactly.
+// errors with shapes over the whole track, found in the residuals (correlated_errors.h). The start point is
+// linear: it is projected out, so that it costs no unknown and is counted exactly.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,9 +23,8 @@ struct PointScatter {
 struct PointResiduals {
   std::vector<std::size_t> row;  ///< of the track
   std::vector<Eigen::Vector2d> residual;
-  std::vector<Eigen::Vector2d> correlated;  ///< expectation of the part that all points share
-  /// What is left without it and without what the points before tell of the track's slow errors, and its
-  /// covariance by the track, m^2.
+  /// What is left without the expected errors that have shapes over the track and without what the points
+  /// before tell of its slow errors, and its covariance by the track, m^2.
   std::vector<Eigen::Vector2d> innovation;
   std::vector<Eigen::Matrix2d> innovation_covariance;
   double rows_taken = 0;  ///< degrees of freedom of that expectation
@@ -35,34 +33,25 @@ struct PointResiduals {
 
 class TrackWhitening {
  public:
-  /// Refers to the run. `first`: its first point used; `weights`: of a robust loss, a number for each point,
-  /// or empty; `variances`: of correlated errors, of driven runs alone; `reference_time`: theirs, s.
+  /// Refers to the run. `first`: its first point used; `variances`: of correlated errors, of driven runs
+  /// alone; `reference_time`: theirs, s.
   TrackWhitening(const TrajectoryRun& run, std::size_t first, const PointScatter& scatter,
-                 const std::vector<double>& weights, const CorrelatedVariances& variances,
-                 double reference_time);
+                 const CorrelatedVariances& variances, double reference_time);
 
   std::size_t first() const { return first_; }
   std::size_t points() const { return times_.size(); }
   const std::vector<double>& times() const { return times_; }  ///< s, of its points, from the first
   /// Measured less modelled (m, in the picture), two rows a point.
   Eigen::VectorXd difference(const Eigen::Matrix2Xd& positions) const;
-  /// V^(-1/2) of everything but errors that all runs share, columns of two rows a point.
+  /// V^(-1/2), columns of two rows a point.
   Eigen::MatrixXd whitened(Eigen::MatrixXd columns) const;
   /// Of a sum g' V^(-1/2) y of whitened rows, g = `column`, in place: what it is of the points' own noise.
   void take_own(Eigen::Ref<Eigen::VectorXd> column) const;
-  /// Errors of all points as this covariance has them, two rows a point, out of so many independent numbers
-  /// of variance 1; without those that all runs share.
-  Eigen::VectorXd drawn(const Eigen::VectorXd& numbers) const;
-  Eigen::Index independent() const { return noise_.rows() + shaped_.cols(); }
   /// Shapes of correlated errors over the points; none for a free slide.
   ErrorShapes shapes(const ErrorParts& wanted) const;
-  /// Of the errors with a variance, those that all runs share.
-  const ErrorShapes& common() const { return common_; }
   /// L^-1 of the points' own noise and slow errors, of a shift along x and along y.
   const Eigen::MatrixX2d& white() const { return white_; }
-  /// `common`: expected coefficients of those shapes; without them PointResiduals::correlated holds the run's
-  /// own errors alone.
-  PointResiduals explained(const Eigen::Matrix2Xd& positions, const Eigen::VectorXd& common) const;
+  PointResiduals explained(const Eigen::Matrix2Xd& positions) const;
 
  private:
   const TrajectoryRun* run_;
@@ -71,10 +60,8 @@ class TrackWhitening {
   std::vector<double> times_;
   PointWhitening noise_;            ///< of single points, and slow
   Eigen::MatrixX2d white_, start_;  ///< behind it the start point's columns, and orthonormal ones
-  Eigen::MatrixXd shaped_;  ///< columns of its own errors with shapes, the told ones first, not whitened
-  Eigen::VectorXd sizes_;   ///< their sds
+  Eigen::MatrixXd shaped_;          ///< columns of its own errors with shapes, not whitened
   CorrelatedWhitening correlated_;  ///< of them
-  ErrorShapes common_;
 };
 
 }  // namespace tribotrack::fit::internal

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "fit/rounding.h"
@@ -55,7 +54,6 @@ BetweenSlides between_slides(const std::vector<Estimate>& slides) {
 namespace {
 
 constexpr std::size_t kFewestResiduals = 16;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kOfParabola = 3;  ///< unknowns along the slide
 /// A normal variable exceeds it with probability kSurprise.
 constexpr double kFar = 3.09;
@@ -107,7 +105,7 @@ std::optional<ShownErrors> shown_errors(const TrackTable& track, const SlideResi
   // So many independent values there are in a process of this correlation time.
   const double independent = std::max(length / (2 * time), 1.5 * kOfParabola);
   const double left = independent - kOfParabola;
-  const double unsure = two_sided_quantile(0.95, left) / two_sided_quantile(0.95, kInfinity);
+  const double unsure = student_widening(left);
   const double slow = (all - own) * independent / left * unsure * unsure;
   return ShownErrors{std::sqrt(own), {std::sqrt(slow), time}};
 }
@@ -116,7 +114,6 @@ void take_errors(const ShownErrors& shown, TrackTable& track) {
   const double variance = shown.own_sd * shown.own_sd + shown.slow.sd * shown.slow.sd;
   track.covariance.assign(track.time.size(), variance * Eigen::Matrix2d::Identity());
   track.slow = {shown.slow};
-  track.shared.clear();
 }
 
 namespace {
@@ -179,27 +176,8 @@ std::string loose_text(const SlideResult& slide) {
       pm(slide.mu1), slide.first_frame, slide.last_frame);
 }
 
-/// The sentence about slides whose spin was not seen; empty where there are none.
-std::string unseen_spins(const FitResult& result) {
-  std::string names;
-  std::size_t count = 0;
-  double change = 0;
-  for (const SlideResult& slide : result.slides)
-    if (!slide.spin_seen && !slide.spin_fitted && slide.slope == 0) {
-      names += fmt::format("{}'{}'", names.empty() ? "" : ", ", slide.run);
-      change = std::max(change, slide.change_by_half_spin);
-      ++count;
-    }
-  if (count == 0) return "";
-  return fmt::format(
-      "Spin was not seen in {}: {} fitted without. If the rim moved half as fast as the part slides, "
-      "mu1 would be {} % larger.",
-      names, count == 1 ? "it was" : "they were", number(100 * change, 2));
-}
-
 void describe_scatter(const BetweenSlides& between, FitResult& result) {
-  result.between_slides = between.sd;
-  result.between_slides_p_value = between.p_value;
+  result.between_slides = {between.sd, between.p_value};
   result.covariance_meaning += fmt::format(
       " mu1 is the mean of {} slides of their own mu1 each, with an sd of {} between them (Paule and Mandel) "
       "and an interval by Student's t of {} degree{} of freedom (Hartung and Knapp).",
@@ -234,7 +212,6 @@ void describe_slides(const BetweenSlides* between, FitResult& result) {
   if (result.slides.size() == 1 && result.runs.size() == 1)
     result.systematics.push_back(
         "One slide cannot show how mu1 scatters from slide to slide: the interval is that of this slide.");
-  if (const std::string unseen = unseen_spins(result); !unseen.empty()) result.systematics.push_back(unseen);
   if (between) describe_scatter(*between, result);
 }
 

@@ -30,8 +30,8 @@ struct BetweenSlides {
 /// Of at least one estimate with sd > 0.
 BetweenSlides between_slides(const std::vector<Estimate>& slides);
 
-/// The sentence of each slide; warnings of blows and of slides that differ by more than chance; what a spin
-/// not seen would change; and what the covariance counts. `between` is null where mu1 was not fitted to two
+/// The sentence of each slide; warnings of blows and of slides that differ by more than chance; and what the
+/// covariance counts. `between` is null where mu1 was not fitted to two
 /// slides at least.
 void describe_slides(const BetweenSlides* between, FitResult& result);
 

@@ -168,7 +168,7 @@ void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
 
 std::optional<ViscousSlides> fit_viscous(const Problem& problem, const FitAlone& fit_alone, int threads,
                                          const std::vector<SlideResult>& constant) {
-  if (std::ranges::count(problem.free, FitParameter::mu1) == 0 ||
+  if (!problem.fits(FitParameter::mu1) ||
       std::ranges::none_of(constant, [](const SlideResult& slide) { return slide.p_value < kSurprise; }))
     return std::nullopt;
   const std::map<FitParameter, double> together = fitted_together(problem, fit_alone);
@@ -197,9 +197,7 @@ std::optional<ViscousSlides> fit_viscous(const Problem& problem, const FitAlone&
 }
 
 std::optional<BetweenSlides> compare_slides(const Problem& problem, const std::vector<SlideResult>& slides) {
-  if (slides.size() < 2 ||
-      std::find(problem.free.begin(), problem.free.end(), FitParameter::mu1) == problem.free.end())
-    return std::nullopt;
+  if (slides.size() < 2 || !problem.fits(FitParameter::mu1)) return std::nullopt;
   std::vector<Estimate> mu1;
   for (const SlideResult& slide : slides)
     if (slide.mu1.sd > 0 && std::isfinite(slide.mu1.sd)) mu1.push_back(slide.mu1);

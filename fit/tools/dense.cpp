@@ -5,28 +5,9 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <cmath>
 
 namespace tribotrack::fit::internal {
-
-Eigen::Matrix2Xd Factor2::whiten_columns(const Eigen::Matrix2Xd& columns) const {
-  const double a = 1 / a_, d = 1 / d_;
-  Eigen::Matrix2Xd result(2, columns.cols());
-  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-    result(0, k) = columns(0, k) * a;
-    result(1, k) = (columns(1, k) - b_ * result(0, k)) * d;
-  }
-  return result;
-}
-
-Eigen::Matrix2Xd Factor2::by_upper(const Eigen::Matrix2Xd& columns) const {
-  const double a = 1 / a_, d = 1 / d_;
-  Eigen::Matrix2Xd result(2, columns.cols());
-  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-    result(1, k) = columns(1, k) * d;
-    result(0, k) = (columns(0, k) - b_ * result(1, k)) * a;
-  }
-  return result;
-}
 
 Factor::Factor(const Eigen::MatrixXd& matrix) {
   const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
@@ -66,7 +47,7 @@ PseudoInverse pseudo_inverse(const Eigen::MatrixXd& matrix, const Eigen::VectorX
   }
   return {scale.asDiagonal() * eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose() *
               scale.asDiagonal(),
-          log_determinant};
+          log_determinant, (inverse.array() > 0).count()};
 }
 
 Eigen::VectorXd unit_diagonal(const Eigen::MatrixXd& matrix) {

@@ -2,48 +2,29 @@
 // their templates costs seconds in every source that names it.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <cmath>
 
 namespace tribotrack::fit::internal {
 
 /// Cholesky's factor L of a covariance of two coordinates, C = L L'.
 class Factor2 {
  public:
-  explicit Factor2(const Eigen::Matrix2d& c) : a_(c(0, 0)), b_(c(1, 0)), d_(c(1, 1)) {
-    if (a_ <= 0) return;
-    a_ = std::sqrt(a_);
-    b_ /= a_;
-    const double square = d_ - b_ * b_;
-    if (square <= 0) return;
-    d_ = std::sqrt(square);
-    positive_ = true;
+  explicit Factor2(const Eigen::Matrix2d& c) : llt_(c) {}
+  bool positive() const { return llt_.info() == Eigen::Success; }  ///< else there is no L
+  Eigen::Matrix2d lower() const { return llt_.matrixL(); }
+  Eigen::Matrix2d inverse_lower() const { return llt_.matrixL().solve(Eigen::Matrix2d::Identity()); }
+  Eigen::Vector2d whitened(const Eigen::Vector2d& v) const { return llt_.matrixL().solve(v); }  ///< L^-1 v
+  Eigen::Vector2d solved(const Eigen::Vector2d& v) const { return llt_.solve(v); }              ///< C^-1 v
+  Eigen::Matrix2Xd whiten_columns(const Eigen::Matrix2Xd& columns) const {                      ///< L^-1 B
+    return llt_.matrixL().solve(columns);
   }
-
-  /// False: C is not positive definite, and there is no L.
-  bool positive() const { return positive_; }
-  Eigen::Matrix2d lower() const { return (Eigen::Matrix2d() << a_, 0, b_, d_).finished(); }
-  Eigen::Matrix2d inverse_lower() const {
-    const double a = 1 / a_, d = 1 / d_;
-    return (Eigen::Matrix2d() << a, 0, -b_ * a * d, d).finished();
+  Eigen::Matrix2Xd by_upper(const Eigen::Matrix2Xd& columns) const {  ///< L'^-1 B
+    return llt_.matrixU().solve(columns);
   }
-  /// L^-1 v.
-  Eigen::Vector2d whitened(const Eigen::Vector2d& v) const {
-    const double x = v(0) / a_;
-    return {x, (v(1) - b_ * x) / d_};
-  }
-  /// C^-1 v.
-  Eigen::Vector2d solved(const Eigen::Vector2d& v) const {
-    const Eigen::Vector2d white = whitened(v);
-    const double y = white(1) / d_;
-    return {(white(0) - b_ * y) / a_, y};
-  }
-  Eigen::Matrix2Xd whiten_columns(const Eigen::Matrix2Xd& columns) const;  ///< L^-1 B
-  Eigen::Matrix2Xd by_upper(const Eigen::Matrix2Xd& columns) const;        ///< L'^-1 B
 
  private:
-  double a_, b_, d_;
-  bool positive_ = false;
+  Eigen::LLT<Eigen::Matrix2d> llt_;
 };
 
 /// Cholesky's factor L of a symmetric matrix, A = L L'.
@@ -79,6 +60,7 @@ Eigen::Matrix2d without_negative_eigenvalues(const Eigen::Matrix2d& symmetric);
 struct PseudoInverse {
   Eigen::MatrixXd inverse;
   double log_determinant = 0;
+  Eigen::Index rank = 0;
 };
 PseudoInverse pseudo_inverse(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& scale, double flat);
 /// By which the diagonal becomes 1.

@@ -6,6 +6,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <limits>
 
 namespace tribotrack::fit::internal {
 
@@ -35,6 +36,12 @@ double two_sided_quantile(double probability, double dof) {
   if (!std::isfinite(dof) || dof > 1e4)
     return boost::math::quantile(boost::math::complement(boost::math::normal(), upper_tail));
   return boost::math::quantile(boost::math::complement(boost::math::students_t(dof), upper_tail));
+}
+
+double student_widening(double dof) {
+  constexpr double kLevel = 0.95;
+  return two_sided_quantile(kLevel, dof) /
+         two_sided_quantile(kLevel, std::numeric_limits<double>::infinity());
 }
 
 double falls_to(const std::function<double(double)>& f, double level, double far) {

@@ -20,6 +20,10 @@ double chi2_quantile(double probability, double dof);
 /// 10^4 degrees of freedom.
 double two_sided_quantile(double probability, double dof);
 
+/// By which an sd that was estimated with `dof` degrees of freedom is too small for its 95 % interval to be
+/// -+ 1.96 of it: Student's 95 % quantile over the normal one.
+double student_widening(double dof);
+
 /// x >= 0 at which a falling f comes down to `level`; 0 where it begins below. `far`: a first guess of where
 /// it lies below.
 double falls_to(const std::function<double(double)>& f, double level, double far);

@@ -17,16 +17,7 @@ double slow_variance(const TrackTable& track, double apart) {
 }  // namespace
 
 PointErrors point_errors(const TrackTable& track, std::size_t i) {
-  PointErrors point{track.covariance[i], 1, Eigen::Matrix2Xd(2, 0)};
-  if (!track.shared.empty()) {
-    point.all = track.shared[i];
-    // At most what the point has: with C = L L', L^-1 F F' L^-T has no eigenvalue above 1.
-    const Eigen::Matrix2Xd white = Factor2(point.own).whiten_columns(point.all);
-    const Eigen::Matrix2d share = white * white.transpose();
-    const double most = 0.5 * share.trace() + std::hypot(0.5 * (share(0, 0) - share(1, 1)), share(0, 1));
-    point.all /= std::sqrt(std::max(1.0, most));
-    point.own -= point.all * point.all.transpose();
-  }
+  PointErrors point{track.covariance[i]};
   const double slow = slow_variance(track, 0);
   if (!(slow > 0)) return point;
   point.slow = std::sqrt(std::min(1.0, std::max(0.0, eigenvalues(point.own)(0)) / slow));
@@ -38,10 +29,8 @@ Eigen::Matrix2d covariance_of_sum(const TrackTable& track, const WeightedPoints&
   std::vector<PointErrors> errors;
   for (const auto& [point, weight] : sum) errors.push_back(point_errors(track, point));
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  Eigen::Matrix2Xd shared = Eigen::Matrix2Xd::Zero(2, track.shared.empty() ? 0 : track.shared.front().cols());
   for (std::size_t a = 0; a < sum.size(); ++a) {
     const auto& [i, weight] = sum[a];
-    shared += weight * errors[a].all;
     for (std::size_t b = 0; b < sum.size(); ++b) {
       const auto& [j, other] = sum[b];
       if (i == j) covariance += weight * other * errors[a].own;
@@ -51,7 +40,7 @@ Eigen::Matrix2d covariance_of_sum(const TrackTable& track, const WeightedPoints&
                       Eigen::Matrix2d::Identity();
     }
   }
-  return covariance + shared * shared.transpose();
+  return covariance;
 }
 
 }  // namespace tribotrack::fit::internal

@@ -1,8 +1,8 @@
 // The errors of a track's points, and how they hang together.
 //
-// The covariance of two points is  delta_ij own_i + a_i a_j sum_p s_p^2 exp(-|t_i - t_j|/T_p) + F_i F_j',
-// with s_p, T_p and F those of TrackTable::slow and ::shared, and own_i what they leave of the point's
-// covariance. a_i = 1, except where a point is known better than the slow errors say.
+// The covariance of two points is  delta_ij own_i + a_i a_j sum_p s_p^2 exp(-|t_i - t_j|/T_p),  with s_p and
+// T_p those of TrackTable::slow, and own_i what they leave of the point's covariance. a_i = 1, except where a
+// point is known better than the slow errors say.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,11 +14,10 @@
 
 namespace tribotrack::fit::internal {
 
-/// One point's share of the three.
+/// One point's share of the two.
 struct PointErrors {
-  Eigen::Matrix2d own;   ///< m^2, of no other point
-  double slow = 1;       ///< a
-  Eigen::Matrix2Xd all;  ///< F, m
+  Eigen::Matrix2d own;  ///< m^2, of no other point
+  double slow = 1;      ///< a
 };
 
 PointErrors point_errors(const TrackTable& track, std::size_t point);

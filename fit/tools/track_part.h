@@ -21,7 +21,6 @@ inline TrackTable part_of(const TrackTable& track, std::size_t first, std::size_
   keep(part.time);
   keep(part.position);
   keep(part.covariance);
-  keep(part.shared);
   keep(part.angle);
   keep(part.angle_sigma);
   keep(part.marker);

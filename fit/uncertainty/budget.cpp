@@ -23,46 +23,26 @@ constexpr const char* kStartPhase = "phase at the start of single runs";
 constexpr double kNegligible = 1e-3;
 
 std::string source_name(FitParameter quantity) {
-  switch (quantity) {
-    case FitParameter::amplitude:
-      return "platform's amplitude";
-    case FitParameter::amplitude_ratio:
-      return "ratio of the platform's amplitudes";
-    case FitParameter::angular_frequency:
-      return "platform's frequency";
-    case FitParameter::phase_shift:
-      return "platform's phase shift";
-    case FitParameter::phase_reference:
-      return "phase reference";
-    case FitParameter::scale:
-      return "scale";
-    case FitParameter::gravity:
-      return "gravity";
-    case FitParameter::tilt_x:
-      return "tilt along x";
-    case FitParameter::tilt_y:
-      return "tilt along y";
-    case FitParameter::slope:
-      return "incline's slope";
-    case FitParameter::start_phase:
-      return "phase at the start";
-    case FitParameter::mu2_width:
-      return "rise of mu2 with the gate's width";
-    case FitParameter::wear:
-      return "wear in the course of the campaign";
-    case FitParameter::stribeck:
-      return "friction that falls with speed (Stribeck)";
-    case FitParameter::viscous:
-      return "friction that rises with speed";
-    case FitParameter::gate_edges:
-      return "width of the gate's edges";
-    case FitParameter::mu2_speed:
-      return "rise of mu2 with speed";
-    case FitParameter::static_friction:
-      return "friction at rest";
-    default:
-      return std::string("prior of ") + to_string(quantity);
-  }
+  constexpr const char* kNames[] = {"platform's amplitude",
+                                    "platform's frequency",
+                                    "scale",
+                                    "tilt along x",
+                                    "tilt along y",
+                                    "ratio of the platform's amplitudes",
+                                    "platform's phase shift",
+                                    "phase reference",
+                                    "gravity",
+                                    "incline's slope",
+                                    "phase at the start",
+                                    "rise of mu2 with the gate's width",
+                                    "wear in the course of the campaign",
+                                    "friction that falls with speed (Stribeck)",
+                                    "friction that rises with speed",
+                                    "width of the gate's edges",
+                                    "rise of mu2 with speed",
+                                    "friction at rest"};
+  if (quantity < FitParameter::amplitude) return std::string("prior of ") + to_string(quantity);
+  return kNames[static_cast<std::size_t>(quantity) - static_cast<std::size_t>(FitParameter::amplitude)];
 }
 
 /// An error to imagine in what was taken as exact, SI.
@@ -196,7 +176,7 @@ class Sources {
       const Eigen::Matrix2d all = residuals_.covariance(i);
       // Rows are whitened by L^-1: to the parameters per metre of displacement.
       const Eigen::MatrixX2d by_metre =
-          std::sqrt(residuals_.weights().of(i)) *
+          std::sqrt(residuals_.weight(i)) *
           Factor2(all).by_upper(by_rows_[0].middleCols(row, 2).transpose()).transpose();
       const auto variance = [&](const Eigen::Matrix2d& covariance) {
         return Eigen::VectorXd((by_metre * covariance * by_metre.transpose()).diagonal());
@@ -214,9 +194,8 @@ class Sources {
     if (problem_.trajectory_runs.empty()) return;
     std::vector<Eigen::MatrixXd> points = by_rows_;
     for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i) {
-      const RowLayout::Place& place = residuals_.layout().tracks[i];
-      const std::size_t group = place.group;
-      Eigen::Index row = place.row + place.points;
+      const std::size_t group = 1 + i;
+      Eigen::Index row = residuals_.layout().groups[group].data;
       for (const NuisanceBlock& block : unknowns_.nuisances(i)) {
         const Eigen::Index rows = block.known.rows();
         add_nuisance(block.kind, by_rows_[group].middleCols(row, rows).rowwise().squaredNorm());
@@ -229,7 +208,7 @@ class Sources {
       for (Eigen::Index p = 0; p < n_; ++p) {
         Eigen::VectorXd by_row = points[g].row(p);
         all(p) += by_row.squaredNorm();
-        residuals_.take_own_noise(g, by_row);
+        residuals_.track(g - 1).take_own(by_row.head(residuals_.layout().groups[g].data));
         noise(p) += by_row.squaredNorm();
       }
     add(kTracking, noise, "the points' own sds");

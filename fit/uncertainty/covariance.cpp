@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -81,13 +82,10 @@ Eigen::VectorXd change(const Eigen::MatrixXd& all, const Eigen::MatrixXd& rows, 
     if (others(i, i) > kGone * all(i, i)) kept.push_back(i);
   Eigen::VectorXd result = Eigen::VectorXd::Constant(n, kUnknown);
   if (kept.empty()) return result;
-  const Eigen::VectorXd scale = others(kept, kept).diagonal().cwiseSqrt().cwiseInverse();
-  const EigenSystem eigen = eigen_symmetric(scale.asDiagonal() * others(kept, kept) * scale.asDiagonal());
-  if (!(eigen.values(0) > kUndetermined * eigen.values.maxCoeff())) return result;
-  const Eigen::VectorXd gradient = (rows.transpose() * r)(kept);
-  const Eigen::VectorXd step =
-      scale.asDiagonal() * (eigen.vectors * (eigen.values.cwiseInverse().asDiagonal() *
-                                             (eigen.vectors.transpose() * (scale.asDiagonal() * gradient))));
+  const Eigen::MatrixXd left = others(kept, kept);
+  const auto inverse = internal::pseudo_inverse(left, unit_diagonal(left), kUndetermined);
+  if (inverse.rank < left.rows()) return result;
+  const Eigen::VectorXd step = inverse.inverse * (rows.transpose() * r)(kept);
   for (std::size_t k = 0; k < kept.size(); ++k) result(kept[k]) = step(static_cast<Eigen::Index>(k));
   return result;
 }
@@ -106,15 +104,14 @@ Eigen::MatrixXd influence_of_runs(const Residuals& residuals, const Minimum& bes
   const Eigen::MatrixXd all = left.normal();
   const Eigen::VectorXd sd = uncertainty.covariance.diagonal().cwiseSqrt();
   for (Eigen::Index run = 0; run < summary + trajectories; ++run) {
-    const RowLayout::Place place = run < summary
-                                       ? RowLayout::Place{0, 2 * run, 2, 2}
-                                       : residuals.layout().tracks[static_cast<std::size_t>(run - summary)];
-    const RowGroup& group = left.groups[place.group];
-    influence.row(run) = change(all, group.shared.middleRows(place.row, place.rows),
-                                group.residuals.segment(place.row, place.rows))
-                             .head(reported)
-                             .cwiseQuotient(sd)
-                             .transpose();
+    const std::size_t g = run < summary ? 0 : static_cast<std::size_t>(1 + run - summary);
+    const RowGroup& group = left.groups[g];
+    const Eigen::Index first = g == 0 ? 2 * run : 0, rows = g == 0 ? 2 : group.residuals.size();
+    influence.row(run) =
+        change(all, group.shared.middleRows(first, rows), group.residuals.segment(first, rows))
+            .head(reported)
+            .cwiseQuotient(sd)
+            .transpose();
   }
   return influence;
 }
@@ -131,105 +128,19 @@ Interval interval95(const Transform& transform, FitParameter parameter, double v
 
 namespace {
 
-using Random = std::mt19937_64;
-
-class Draw {
- public:
-  Draw(const Residuals& residuals, const Minimum& best, double noise, Random& random)
-      : residuals_(residuals),
-        best_(best),
-        noise_(noise),
-        random_(random),
-        problem_(residuals.unknowns().problem()) {}
-
-  Problem problem() {
-    Eigen::VectorXd values = residuals_.unknowns().values(best_.z);
-    draw_deviations(values);
-    for (std::size_t i = 0; i < problem_.summary_runs.size(); ++i) summary(i);
-    for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i) trajectory(i, values);
-    const Unknowns& unknowns = residuals_.unknowns();
-    for (Eigen::Index k = 0; k < unknowns.common(); ++k)
-      if (const auto known = unknowns.prior(k))
-        problem_.prior[unknowns.parameter(k)] = {values(k) + known->sd * normal_(random_), known->sd};
-    return problem_;
+/// Whitened errors as the fit's own covariance has them, `noise` times as large those of the data, less the
+/// residuals at the minimum: what makes of these the residuals of data drawn there.
+std::vector<Eigen::VectorXd> drawn(const Residuals& residuals, const Linearised& at, double noise,
+                                   std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  std::vector<Eigen::VectorXd> errors;
+  for (const RowGroup& group : at.groups)
+    for (double& number : errors.emplace_back(group.residuals.size())) number = normal(random);
+  for (std::size_t g = 0; g < errors.size(); ++g) {
+    errors[g].head(residuals.layout().groups[g].data) *= noise;
+    errors[g] -= at.groups[g].residuals;
   }
-
- private:
-  Eigen::VectorXd independent(Eigen::Index count) {
-    Eigen::VectorXd numbers(count);
-    for (double& number : numbers) number = normal_(random_);
-    return numbers;
-  }
-
-  /// Slides of their own mu1 each, within what leaves friction.
-  void draw_deviations(Eigen::VectorXd& values) {
-    const Unknowns& unknowns = residuals_.unknowns();
-    for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i)
-      if (const NuisanceBlock* deviation = unknowns.find(Nuisance::deviation, i))
-        values(deviation->first) = std::max(deviation->scale(0) * normal_(random_),
-                                            -0.9 * unknowns.value_of(FitParameter::mu1, values));
-  }
-
-  void summary(std::size_t i) {
-    auto& measured = problem_.summary_runs[i].measured;
-    measured.vector -= residuals_.difference(best_.at, i);
-    measured.vector += noise_ * (Factor2(residuals_.covariance(i)).lower() * independent(2));
-  }
-
-  void trajectory(std::size_t i, const Eigen::VectorXd& values) {
-    TrajectoryRun& run = problem_.trajectory_runs[i];
-    const Unknowns& unknowns = residuals_.unknowns();
-    if (const NuisanceBlock* phase = unknowns.find(Nuisance::phase, i))
-      run.scenario.start_phase += values(phase->first) + run.start_phase_sd * normal_(random_);
-    if (const NuisanceBlock* own = unknowns.find(Nuisance::own, i)) {
-      const Eigen::VectorXd drawn = values.segment(own->first, own->size()) +
-                                    Factor(run.own.covariance).lower() * independent(own->size());
-      for (std::size_t k = 0; k < run.own.parameters.size(); ++k)
-        run.scenario.set(run.own.parameters[k],
-                         run.scenario.get(run.own.parameters[k]) + drawn(static_cast<Eigen::Index>(k)));
-    }
-    if (const NuisanceBlock* spin = unknowns.find(Nuisance::spin, i)) {
-      const Eigen::Vector2d drawn =
-          values.segment<2>(spin->first) + Factor2(run.spin->covariance).lower() * independent(2);
-      run.spin->rate = drawn.x();
-      run.spin->bearing = drawn.y();
-    }
-    const PointResiduals points = residuals_.points(values, i);
-    const TrackWhitening& whitening = residuals_.track(i);
-    Eigen::VectorXd errors = whitening.drawn(independent(whitening.independent()));
-    if (const ErrorShapes& shared = whitening.common(); shared.count() > 0) {
-      if (common_.size() == 0)
-        common_ = column_variances(shared, residuals_.excess_variance().correlated)
-                      .cwiseSqrt()
-                      .cwiseProduct(independent(2 * static_cast<Eigen::Index>(shared.count())));
-      errors += error_columns(shared) * common_;
-    }
-    for (std::size_t k = 0; k < points.row.size(); ++k)
-      run.track.position[points.row[k]] +=
-          noise_ * errors.segment<2>(2 * static_cast<Eigen::Index>(k)) - points.residual[k];
-  }
-
-  const Residuals& residuals_;
-  const Minimum& best_;
-  double noise_;
-  Random& random_;
-  Problem problem_;
-  Eigen::VectorXd common_;  ///< coefficients of the correlated errors that all runs share
-  std::normal_distribution<double> normal_;
-};
-
-/// Values of all unknowns where a refit to `problem`, data drawn from the model that `residuals` fitted, ends
-/// from the minimum `best`; empty where it does not converge.
-Eigen::VectorXd refit(const Problem& problem, const Residuals& residuals, const Minimum& best, Loss loss) {
-  const Unknowns own(problem);
-  Residuals refit(own);
-  refit.set_excess_variance(residuals.excess_variance());
-  refit.set_tolerance(residuals.tolerance_for(0.03, 1e-5));
-  if (refit.layout().rows() != residuals.layout().rows())
-    return {};  // a free slide whose strike moved by a frame
-  Minimum minimum = minimise(refit, best.z, {.held = {}, .decrement = 1e-4});
-  if (loss != Loss::squares && std::isfinite(minimum.chi2)) reweighted_fit(refit, minimum, {.loss = loss});
-  return minimum.converged ? own.values(minimum.z) : Eigen::VectorXd();
+  return errors;
 }
 
 /// The point below which `share` of the sorted values lie.
@@ -246,20 +157,30 @@ Bootstrap bootstrap(const Residuals& residuals, const Minimum& best, bool scatte
                     const FitOptions& options) {
   const Unknowns& unknowns = residuals.unknowns();
   const double dof = std::max(1.0, residuals.degrees_of_freedom());
+  Residuals plain = residuals;
+  plain.set_weights({});
+  plain.set_tolerance(residuals.tolerance_for(0.03, 1e-5));
+  const Eigen::VectorXd centre = unknowns.values(best.z);
+  const std::optional<Linearised> at = plain.at(centre, false);
+  if (!at) return {};
   std::vector<Eigen::VectorXd> estimates(static_cast<std::size_t>(options.bootstrap));
   Stage stage(options, "bootstrap", estimates.size());
   parallel_for(estimates.size(), options.threads, [&](std::size_t k) {
     std::seed_seq seed{options.bootstrap_seed, static_cast<unsigned>(k)};
-    Random random(seed);
+    std::mt19937_64 random(seed);
     const double noise =
         scatter_estimated ? std::sqrt(dof / std::chi_squared_distribution<double>(dof)(random)) : 1;
-    estimates[k] = refit(Draw(residuals, best, noise, random).problem(), residuals, best, options.loss);
+    Residuals refit = plain;
+    refit.set_shift(drawn(plain, *at, noise, random));
+    Minimum minimum = minimise(refit, best.z, {.held = {}, .decrement = 1e-4});
+    if (options.loss != Loss::squares && std::isfinite(minimum.chi2))
+      reweighted_fit(refit, minimum, {.loss = options.loss});
+    if (minimum.converged) estimates[k] = unknowns.values(minimum.z);
     stage.done();
   });
   Bootstrap result;
   std::erase_if(estimates, [](const Eigen::VectorXd& values) { return values.size() == 0; });
   result.converged = static_cast<int>(estimates.size());
-  const Eigen::VectorXd centre = unknowns.values(best.z);
   for (Eigen::Index i = 0; i < unknowns.reported(); ++i) {
     std::vector<double> sorted;
     for (const Eigen::VectorXd& values : estimates)

@@ -47,7 +47,8 @@ struct Bootstrap {
 };
 
 /// Parametric: data drawn from the fitted model with the fit's own covariance (scatter and its correlation
-/// included, priors drawn as data), refitted from the minimum; 2.5 and 97.5 % points of the estimates.
+/// included, priors drawn as data), refitted from the minimum; 2.5 and 97.5 % points of the estimates. Drawn
+/// are the whitened errors e, independent numbers: r(z) - r(minimum) + e are the residuals of such data.
 /// Where the scatter itself was estimated, each draw's noise is scaled by sqrt(dof/chi^2_dof), which makes
 /// the ends Student's as those of the covariance are. Draw k depends on the seed and k alone, not on the
 /// threads.

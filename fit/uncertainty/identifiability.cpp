@@ -43,18 +43,10 @@ std::string direction_text(const Unknowns& unknowns, const Eigen::VectorXd& valu
 }
 
 std::string why_dead(const Problem& problem, FitParameter parameter) {
-  bool pulses = false, driven = false;
-  for (const auto& run : problem.summary_runs) {
-    pulses = pulses || run.scenario.friction.pulse_width > 0;
-    driven = true;
-  }
-  for (const auto& run : problem.trajectory_runs) {
-    pulses = pulses || (!run.free_slide && run.scenario.friction.pulse_width > 0);
-    driven = driven || !run.free_slide;
-  }
+  const bool driven = !problem.summary_runs.empty() || problem.has_driven_tracks();
   if (!driven && parameter != FitParameter::mu1 && parameter != FitParameter::scale)
     return "a free slide depends on mu1 only; leave it out, or add runs on the moving platform";
-  if (!pulses) return "no run has a pulse (dtau = 0); leave it out, or add runs with pulses";
+  if (!problem.has_pulses()) return "no run has a pulse (dtau = 0); leave it out, or add runs with pulses";
   return "no measurement depends on it at these values (does the part stick throughout?); fix it, or add "
          "runs "
          "where it matters";

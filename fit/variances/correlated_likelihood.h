@@ -17,15 +17,12 @@ using PartSquare = Eigen::Matrix<double, static_cast<int>(kErrorParts), static_c
 struct CorrelatedRunSums {
   Eigen::MatrixXd shapes, data;
   std::vector<std::size_t> part;  ///< of each column of U
-  Eigen::MatrixXd to_common;      ///< U times it, one run below the other, are the shapes common to all
 };
 
 struct CorrelatedSums {
   std::vector<CorrelatedRunSums> runs;
   Eigen::MatrixXd data;  ///< [J r]'[J r] of all rows
   PartNumbers unit;      ///< m^2: the variance of each part at which it is as large as the white noise
-  std::vector<std::size_t> common_part;  ///< of each common column
-  bool common = false;                   ///< whether runs are enough to separate what they share
 };
 
 /// Of the residuals at `values` and their Jacobian, whitened but for correlated errors; no runs where the

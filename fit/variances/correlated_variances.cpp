@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -13,12 +12,11 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-/// Of twice the log-likelihood. The parts that each run has for itself stand or fall together: one left out
-/// by a test is one taken as exactly 0, and intervals after it are too short wherever it nearly passed (a
-/// drift beside a walk, which explains most of a line, hardly ever does). By chance all four gain as much in
-/// 2 % of campaigns (chi-bar-squared: half of them are 0 by chance). What is common to all runs rests on few
-/// coefficients and, where it is there by chance, costs most: the chance is 0.7 %.
-constexpr double kLeastGain = 8.5, kLeastCommonGain = 6;
+/// Of twice the log-likelihood. The parts stand or fall together: one left out by a test is one taken as
+/// exactly 0, and intervals after it are too short wherever it nearly passed (a drift beside a walk, which
+/// explains most of a line, hardly ever does). By chance all four gain as much in 2 % of campaigns
+/// (chi-bar-squared: half of them are 0 by chance).
+constexpr double kLeastGain = 8.5;
 constexpr int kRounds = 60;
 constexpr double kArrived = 1e-3;  ///< of the log-likelihood
 
@@ -27,16 +25,13 @@ struct Place {
   CorrelatedLikelihood likelihood;
 };
 
-/// Fisher's scoring over the parts `allowed`, none below 0.
-Place most_likely(const CorrelatedSums& sums, const ErrorParts& allowed, PartNumbers variances) {
-  for (std::size_t g = 0; g < kErrorParts; ++g)
-    if (!allowed[g]) variances(static_cast<Eigen::Index>(g)) = 0;
+/// Fisher's scoring, no part below 0.
+Place most_likely(const CorrelatedSums& sums, const PartNumbers& variances) {
   Place here{variances, correlated_likelihood_at(sums, variances)};
   for (int round = 0; round < kRounds; ++round) {
     std::vector<Eigen::Index> moving;
     for (Eigen::Index g = 0; g < variances.size(); ++g)
-      if (allowed[static_cast<std::size_t>(g)] && (here.variances(g) > 0 || here.likelihood.slope(g) > 0))
-        moving.push_back(g);
+      if (here.variances(g) > 0 || here.likelihood.slope(g) > 0) moving.push_back(g);
     if (moving.empty()) break;
     const Eigen::MatrixXd information = here.likelihood.information(moving, moving);
     const Eigen::VectorXd slope = here.likelihood.slope(moving), step = solve_symmetric(information, slope);
@@ -58,20 +53,6 @@ Place most_likely(const CorrelatedSums& sums, const ErrorParts& allowed, PartNum
   return here;
 }
 
-/// The part common to all runs that the likelihood needs least, by Wald's statistic; nullopt without one.
-std::optional<std::size_t> least_common(const Place& place) {
-  std::optional<std::size_t> least;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (std::size_t g = 0; g < kErrorParts; ++g) {
-    const auto k = static_cast<Eigen::Index>(g);
-    const double size = place.variances(k);
-    if (!is_common(g) || !(size > 0)) continue;
-    const double asks = size * size * place.likelihood.information(k, k);
-    if (asks < lowest) lowest = asks, least = g;
-  }
-  return least;
-}
-
 }  // namespace
 
 CorrelatedEstimate estimate_correlated_errors(const Residuals& residuals, const Eigen::VectorXd& values) {
@@ -81,24 +62,10 @@ CorrelatedEstimate estimate_correlated_errors(const Residuals& residuals, const 
   const CorrelatedSums sums = correlated_sums_of(residuals, values);
   if (sums.runs.empty()) return result;
 
-  ErrorParts allowed = kOwnParts;
-  for (std::size_t part = 0; part < kErrorParts; ++part)
-    if (is_common(part)) allowed[part] = sums.common;
-  PartNumbers guess = Eigen::Map<const PartNumbers>(residuals.excess_variance().correlated.data());
-  Place place = most_likely(sums, allowed, guess.cwiseQuotient(sums.unit));
-  while (const auto least = least_common(place)) {
-    for (std::size_t g = 0; g < kErrorParts; ++g)
-      if (is_common(g)) allowed[g] = place.variances(static_cast<Eigen::Index>(g)) > 0;
-    allowed[*least] = false;
-    Place without = most_likely(sums, allowed, place.variances);
-    if (!(2 * (place.likelihood.log - without.likelihood.log) < kLeastCommonGain)) break;
-    place = std::move(without);
-  }
-  ErrorParts without_own = allowed;
-  for (std::size_t part = 0; part < kErrorParts; ++part)
-    without_own[part] = is_common(part) && place.variances(static_cast<Eigen::Index>(part)) > 0;
-  Place white = most_likely(sums, without_own, place.variances);
-  if (2 * (place.likelihood.log - white.likelihood.log) < kLeastGain) place = std::move(white);
+  const PartNumbers guess = Eigen::Map<const PartNumbers>(residuals.excess_variance().correlated.data());
+  const Place place = most_likely(sums, guess.cwiseQuotient(sums.unit));
+  const double none = correlated_likelihood_at(sums, PartNumbers::Zero()).log;
+  if (2 * (place.likelihood.log - none) < kLeastGain) return result;
 
   const PartNumbers& best = place.variances;
   const CorrelatedLikelihood& at = place.likelihood;

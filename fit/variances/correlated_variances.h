@@ -17,9 +17,9 @@ struct CorrelatedEstimate {
 /// U G U': the variances that maximise
 ///   -1/2 (ln |V| + ln |J' V^-1 J| + r' P r),  P = V^-1 - V^-1 J (J' V^-1 J)^-1 J' V^-1
 /// [Patterson and Thompson, Biometrika 58 (1971) 545; Harville, JASA 72 (1977) 320], which counts the
-/// freedom that unknowns and start points take. Fisher's scoring, variances not below 0. A part that raises
-/// twice the log-likelihood by less than 4 (6 for what all runs share) is left out: it is indistinguishable
-/// from none. `residuals` hold a first guess.
+/// freedom that unknowns and start points take. Fisher's scoring, variances not below 0. All are 0 where
+/// together they raise twice the log-likelihood by less than chance does in 2 % of campaigns. `residuals`
+/// hold a first guess.
 CorrelatedEstimate estimate_correlated_errors(const Residuals& residuals, const Eigen::VectorXd& values);
 
 }  // namespace tribotrack::fit::internal

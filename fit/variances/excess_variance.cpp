@@ -56,42 +56,6 @@ struct Deviations {
   }
 };
 
-/// Turned so that x is along the run's displacement.
-Eigen::Matrix2d turn_of(const SummaryRun& run) {
-  const double length = run.measured.vector.norm();
-  if (!(length > 0)) return Eigen::Matrix2d::Identity();
-  const Eigen::Vector2d u = run.measured.vector / length;
-  Eigen::Matrix2d turn;
-  turn << u.x(), u.y(), -u.y(), u.x();
-  return turn;
-}
-
-void between_runs(const std::vector<const SummaryRun*>& fitted, const Deviations& runs, double expected,
-                  ExcessVariance& result) {
-  const double both = runs.scatter(expected, result.runs() > 0, kDoubt);
-  result.along = result.across = both;
-  if (!(both > 0)) return;
-  Deviations parts[2];
-  double whole[2], trimmed[2];
-  for (int axis = 0; axis < 2; ++axis) {
-    for (std::size_t i = 0; i < runs.differences.size(); ++i) {
-      const Eigen::Matrix2d turn = turn_of(*fitted[i]);
-      const double variance = (turn * runs.covariances[i] * turn.transpose())(axis, axis);
-      parts[axis].add({(turn * runs.differences[i])(axis), 0}, variance * Eigen::Matrix2d::Identity());
-    }
-    // One bad run is no scatter: the largest term may not make the difference.
-    const std::vector<double> terms = parts[axis].squares(both);
-    whole[axis] = parts[axis].chi2(both);
-    trimmed[axis] = whole[axis] - *std::max_element(terms.begin(), terms.end());
-  }
-  // ln of the ratio of two mean squares of nu degrees of freedom each: sd 2/sqrt(nu); 1 % on both sides.
-  const double nu = 0.5 * expected;
-  const double ratio = std::max(trimmed[0] / whole[1], trimmed[1] / whole[0]);
-  if (nu < 4 || !(std::log(ratio) > 2.576 * 2 / std::sqrt(nu))) return;
-  result.along = parts[0].scatter(nu, true);
-  result.across = parts[1].scatter(nu, true);
-}
-
 /// Of a trajectory run's points without what is known to be slow, and how long it lasts.
 PointScatter between_points(const PointResiduals& points, bool free_slide, const PointScatter& before) {
   Deviations quick;
@@ -166,38 +130,24 @@ ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen:
   const bool robust = loss != Loss::squares;
   ExcessVariance result = residuals.excess_variance();
   Deviations runs;
-  std::vector<const SummaryRun*> fitted;
   for (std::size_t i = 0; i < problem.summary_runs.size(); ++i)
-    if (const SummaryRun& run = problem.summary_runs[i]; !run.held_out) {
-      fitted.push_back(&run);
+    if (const SummaryRun& run = problem.summary_runs[i]; !run.held_out)
       runs.add(residuals.difference(at, i), run.measured.covariance);
-    }
   // The unknowns take their share of the freedom from runs and points in proportion.
-  const double data = 2.0 * static_cast<double>(fitted.size()),
+  const double data = 2.0 * static_cast<double>(runs.differences.size()),
                unknowns = static_cast<double>(residuals.unknowns().size());
   double points = 0;
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
     points +=
         2.0 * static_cast<double>(residuals.track(i).points()) / result.trajectories[i].correlation_time;
   if (!robust)
-    between_runs(fitted, runs, data * std::max(0.0, 1 - unknowns / (data + points)), result);
-  else if (fitted.size() >= 3)
-    result.along = result.across = runs.scatter_by_median(kMedianSquare * std::max(0.2, 1 - unknowns / data));
+    result.runs = runs.scatter(data * std::max(0.0, 1 - unknowns / (data + points)), result.runs > 0, kDoubt);
+  else if (runs.differences.size() >= 3)
+    result.runs = runs.scatter_by_median(kMedianSquare * std::max(0.2, 1 - unknowns / data));
 
-  const Eigen::VectorXd common = residuals.common_error(values);
-  for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
-    const TrajectoryRun& run = problem.trajectory_runs[i];
-    const PointResiduals here = residuals.points(values, i, common);
-    if (!robust) {
-      result.trajectories[i] = between_points(here, run.free_slide, result.trajectories[i]);
-      continue;
-    }
-    Deviations all;
-    for (std::size_t k = 0; k < here.row.size(); ++k)
-      all.add(here.residual[k],
-              run.track.covariance[here.row[k]] + kFinestSigma * kFinestSigma * Eigen::Matrix2d::Identity());
-    result.trajectories[i].between_points = all.scatter_by_median(kMedianSquare);
-  }
+  for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i)
+    result.trajectories[i] = between_points(residuals.points(values, i),
+                                            problem.trajectory_runs[i].free_slide, result.trajectories[i]);
   return result;
 }
 

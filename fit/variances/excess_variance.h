@@ -7,12 +7,11 @@
 namespace tribotrack::fit::internal {
 
 /// Tracking noise is far below what runs differ by. The scatter that makes chi^2 equal to its expectation at
-/// the present minimum: one between summary runs, the same along and across their displacements unless the
-/// two differ at the level of 1 % (then one for v and one for alpha); one between the points of each
-/// trajectory run, with the correlation time of its residuals (neighbouring points share their error: their
-/// number overstates their information). Zero where chi^2 does not require it: p >= 0.001 of points; p >=
-/// 0.05 of runs, whose correlated tracking errors may be as large as their own sigma, which so few cannot
-/// show. With a robust loss the same by the median distance, which a minority of outliers cannot move.
+/// the present minimum: one between summary runs; one between the points of each trajectory run, with the
+/// correlation time of its residuals (neighbouring points share their error: their number overstates their
+/// information). Zero where chi^2 does not require it: p >= 0.001 of points; p >= 0.05 of runs, whose
+/// correlated tracking errors may be as large as their own sigma, which so few cannot show. With a robust
+/// loss that of the runs by the median distance, which a minority of outliers cannot move.
 ExcessVariance estimate_excess_variance(const Residuals& residuals, const Eigen::VectorXd& values,
                                         const Linearised& at, Loss loss = Loss::squares);
 

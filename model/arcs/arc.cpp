@@ -1,13 +1,13 @@
 #include "model/arcs/arc.h"
 
-#include <cmath>
-#include <numbers>
+#include <boost/math/special_functions/legendre.hpp>
 
 namespace tribotrack::model::internal {
 
 namespace {
 
 using Real = long double;
+constexpr int n = GaussTable::kNodes;
 
 void legendre(Real x, int count, Real* p) {
   p[0] = 1;
@@ -17,27 +17,16 @@ void legendre(Real x, int count, Real* p) {
                static_cast<Real>(k + 1);
 }
 
-/// The i-th root of P_n from below, by Newton's method.
-Real legendre_root(int n, int i) {
-  Real x =
-      -std::cos(std::numbers::pi_v<Real> * (static_cast<Real>(i) + 0.75L) / (static_cast<Real>(n) + 0.5L));
-  for (int k = 0; k < 20; ++k) {
-    Real p[GaussTable::kMaxNodes + 2];
-    legendre(x, n + 1, p);
-    x -= p[n] * (x * x - 1) / (static_cast<Real>(n) * (x * p[n] - p[n - 1]));
-  }
-  return x;
-}
-
-GaussTable make_table(int pairs) {
-  const int n = 2 * pairs;
+GaussTable make_table() {
+  constexpr int pairs = GaussTable::kPairs;
   GaussTable g{};
-  g.pairs = pairs;
-  Real x[GaussTable::kMaxNodes], weight[GaussTable::kMaxNodes];
-  Real p[GaussTable::kMaxNodes][GaussTable::kMaxNodes + 2];
-  Real a[GaussTable::kMaxNodes][GaussTable::kMaxNodes];
+  Real x[n], weight[n];
+  Real p[n][n + 2];
+  Real a[n][n];
+  const auto roots = boost::math::legendre_p_zeros<Real>(n);  // those above 0, from the least
   for (int i = 0; i < n; ++i) {
-    x[i] = legendre_root(n, i);
+    x[i] = i < pairs ? -roots[static_cast<std::size_t>(pairs - 1 - i)]
+                     : roots[static_cast<std::size_t>(i - pairs)];
     legendre(x[i], n + 2, p[i]);
     weight[i] = (1 - x[i] * x[i]) / (static_cast<Real>(n * n) * p[i][n - 1] * p[i][n - 1]);
   }
@@ -77,25 +66,24 @@ GaussTable make_table(int pairs) {
 
 /// Divisions would take most of the time of integrals_to.
 struct Inverse {
-  double of_integers[GaussTable::kMaxNodes + 3] = {}, of_integrals[GaussTable::kMaxNodes + 1] = {};
+  double of_integers[n + 3] = {}, of_integrals[n + 1] = {};
   constexpr Inverse() {
-    for (int k = 1; k < GaussTable::kMaxNodes + 3; ++k) of_integers[k] = 1.0 / k;
-    for (int k = 0; k <= GaussTable::kMaxNodes; ++k) of_integrals[k] = 1.0 / (4 * k + 2);
+    for (int k = 1; k < n + 3; ++k) of_integers[k] = 1.0 / k;
+    for (int k = 0; k <= n; ++k) of_integrals[k] = 1.0 / (4 * k + 2);
   }
 };
 constexpr Inverse kInverse;
 
 }  // namespace
 
-const GaussTable& GaussTable::of_pairs(int pairs) {
-  static const GaussTable few = make_table(3), many = make_table(7);
-  return pairs == 3 ? few : many;
+const GaussTable& GaussTable::get() {
+  static const GaussTable table = make_table();
+  return table;
 }
 
 void GaussTable::integrals_to(double c, double* once, double* twice) const {
-  const int n = 2 * pairs;
   // The integral of P_k is (P_k+1 - P_k-1)/(4k + 2), that of P_0 is c.
-  double p[kMaxNodes + 3], first[kMaxNodes + 2];
+  double p[n + 3], first[n + 2];
   const double x = 2 * c - 1;
   p[0] = 1;
   p[1] = x;

@@ -97,7 +97,6 @@ class Crew {
         solution = run.result();
         ++summary.in_lanes;
       } else {
-        ++summary.by_scalar[static_cast<std::size_t>(run.reason)];
         solve_alone(number);
       }
       ++summary.solutions;
@@ -105,8 +104,7 @@ class Crew {
     };
     pool.work(source, begin, settle);
     report(summary.solutions - reported);
-    summary.lane_steps = pool.count().steps;
-    summary.lane_slots = pool.count().slots;
+    summary.lane_steps = pool.steps();
     add(summary);
   }
 
@@ -147,8 +145,6 @@ class Crew {
     sum.in_lanes += part.in_lanes;
     sum.not_solved += part.not_solved;
     sum.lane_steps += part.lane_steps;
-    sum.lane_slots += part.lane_slots;
-    for (std::size_t k = 0; k < kScalarReasons; ++k) sum.by_scalar[k] += part.by_scalar[k];
   }
 
   const std::function<Scenario(std::size_t)>& scenario_at_;
@@ -187,37 +183,12 @@ const char* to_string(BatchStatus status) {
       static_cast<std::size_t>(status));
 }
 
-const char* to_string(ScalarReason reason) {
-  return std::array{"drive not circular",
-                    "constant friction",
-                    "starts on a steady motion",
-                    "starts or stops near the threshold of friction",
-                    "creeps for long",
-                    "friction so weak that cycles hardly contract",
-                    "Newton's method does not settle"}
-      .at(static_cast<std::size_t>(reason));
-}
-
 std::string BatchSummary::brief_report() const {
   char text[200];
-  const double all = solutions > 0 ? 100.0 / static_cast<double>(solutions) : 0;
-  const double used =
-      lane_slots > 0 ? 100 * static_cast<double>(lane_steps) / static_cast<double>(lane_slots) : 0;
-  std::snprintf(text, sizeof text,
-                "%zu solutions, %.1f %% in lanes (which were %.0f %% full), %zu not solved", solutions,
-                all * static_cast<double>(in_lanes), used, not_solved);
-  return text;
-}
-
-std::string BatchSummary::full_report() const {
-  std::string text = brief_report();
-  for (std::size_t k = 0; k < kScalarReasons; ++k) {
-    if (by_scalar[k] == 0) continue;
-    char line[120];
-    std::snprintf(line, sizeof line, "\n  one at a time: %zu (%s)", by_scalar[k],
-                  to_string(static_cast<ScalarReason>(k)));
-    text += line;
-  }
+  std::snprintf(
+      text, sizeof text, "%zu solutions, %.1f %% of them side by side, %zu not solved", solutions,
+      100.0 * static_cast<double>(in_lanes) / static_cast<double>(std::max<std::size_t>(1, solutions)),
+      not_solved);
   return text;
 }
 

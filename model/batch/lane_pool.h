@@ -13,10 +13,6 @@
 
 namespace tribotrack::model::internal {
 
-struct LaneCount {
-  long steps = 0, slots = 0;
-};
-
 /// Keeps enough runs under way that nearly always one kind of step has eight of them waiting. `Run` is EndRun
 /// or OrbitRun.
 template <class Run, bool kNeighbours>
@@ -30,7 +26,7 @@ class LanePool {
   /// need)` takes what is done or needs the scalar integrator.
   template <class Source, class Begin, class End>
   void work(const Source& source, const Begin& begin, const End& end);
-  const LaneCount& count() const { return count_; }
+  long steps() const { return steps_; }
 
  private:
   static constexpr int kWidth = SlideLanes::kWidth;
@@ -97,7 +93,7 @@ class LanePool {
   std::vector<Slot> runs_;
   std::vector<std::size_t> spare_;
   Group group_[kStepKinds];
-  LaneCount count_;
+  long steps_ = 0;
 };
 
 template <class Run, bool kNeighbours>
@@ -126,7 +122,7 @@ void LanePool<Run, kNeighbours>::settle(int slot, Need need, const End& end) {
   Slot& s = runs_[static_cast<std::size_t>(slot)];
   if (need == Need::edge) need = s.run.pass_edge();
   if (need == Need::done || need == Need::scalar) {
-    count_.steps += s.run.steps;
+    steps_ += s.run.steps;
     end(s.run, s.number, need);
     spare_.push_back(static_cast<std::size_t>(slot));
   } else {
@@ -147,7 +143,6 @@ void LanePool<Run, kNeighbours>::step(int kind, const End& end) {
     put(runs_[static_cast<std::size_t>(slot)].run.lane, g.lanes, lane);
   }
   step_of(kind)(g.lanes);
-  count_.slots += kWidth;
   for (int lane = 0; lane < kWidth; ++lane) {
     int& seat = g.seat[static_cast<std::size_t>(lane)];
     if (seat < 0) continue;

@@ -31,7 +31,7 @@ Need LaneRun::set_off(double kappa, double left) {
     lane.left = 0;
     return Need::edge;
   }
-  if (kappa > 1 - kMarginal) return give_up(ScalarReason::marginal);
+  if (kappa > 1 - kMarginal) return Need::scalar;
   return Need::start;
 }
 
@@ -43,13 +43,13 @@ Need LaneRun::look(Need kind) {
     return Need::slide;
   }
   if (lane.left == 0) return Need::edge;
-  if (--patience_ < 0) return give_up(ScalarReason::many_steps);
+  if (--patience_ < 0) return Need::scalar;
   const double square = lane.vx * lane.vx + lane.vy * lane.vy;
-  if (!(square < 1e8)) return give_up(ScalarReason::many_steps);
+  if (!(square < 1e8)) return Need::scalar;
   if (kind == Need::creep) {
     if (square > kSlideAbove * kSlideAbove) return Need::slide;
     const double slow = kStopBelow * std::fmin(1, lane.kappa - 1);
-    if (slow > 0 && square < slow * slow) return stop() ? Need::edge : give_up(ScalarReason::marginal);
+    if (slow > 0 && square < slow * slow) return stop() ? Need::edge : Need::scalar;
     return Need::creep;
   }
   return square < kCreepBelow * kCreepBelow && !finishing_ ? Need::creep : Need::slide;
@@ -79,9 +79,9 @@ bool LaneRun::stop() {
 }
 
 Need EndRun::begin(const Scenario& scenario, const BatchOptions& options) {
-  if (scenario.start == Start::steady) return give_up(ScalarReason::start);
+  if (scenario.start == Start::steady) return Need::scalar;
   const auto frame = turning_frame(scenario);
-  if (!frame) return give_up(ScalarReason::drive);
+  if (!frame) return Need::scalar;
   frame_ = *frame;
   end_time_ = scenario.end_time();
   lane.tolerance = options.tolerance;
@@ -93,7 +93,7 @@ Need EndRun::begin(const Scenario& scenario, const BatchOptions& options) {
   if (frame_.circling) {
     // Steady sliding: cos d0 = kappa, r = sin d0 (section 2.2 of the paper).
     const double kappa = frame_.kappa_nominal;
-    if (kappa == 0) return give_up(ScalarReason::start);
+    if (kappa == 0) return Need::scalar;
     const double r = kappa < 1 ? std::sqrt((1 - kappa) * (1 + kappa)) : 0;
     lane.vx = r * kappa;
     lane.vy = -r * r;
@@ -186,13 +186,13 @@ constexpr double kSure = 1e-6;
 
 Need OrbitRun::begin(const Scenario& scenario, const BatchOptions&) {
   const auto frame = turning_frame(scenario);
-  if (!frame) return give_up(ScalarReason::drive);
+  if (!frame) return Need::scalar;
   frame_ = *frame;
   angular_frequency_ = scenario.drive.angular_frequency;
   const double width = scenario.friction.pulse_width;
   const bool low_in_pulse = frame_.kappa_reduced < frame_.kappa_nominal;
   if (frame_.edges.count == 0 || width == kTwoPi || frame_.kappa_reduced == frame_.kappa_nominal)
-    return give_up(ScalarReason::constant_friction);
+    return Need::scalar;
   const auto& edges = frame_.edges.edge;
   begin_ = edges[0].opens == low_in_pulse ? edges[0].s : edges[1].s;
   kappa_[0] = std::fmin(frame_.kappa_reduced, frame_.kappa_nominal);
@@ -214,7 +214,7 @@ Need OrbitRun::begin(const Scenario& scenario, const BatchOptions&) {
 }
 
 Need OrbitRun::begin_cycle() {
-  if (++iterations_ > kMaxCycles) return give_up(ScalarReason::no_convergence);
+  if (++iterations_ > kMaxCycles) return Need::scalar;
   lane.vx = velocity_.x;
   lane.vy = velocity_.y;
   from_rest_ = at_rest();
@@ -257,8 +257,7 @@ Need OrbitRun::end_cycle() {
   }
   const Matrix2 jacobian{lane.ux[0], lane.ux[1], lane.uy[0], lane.uy[1]};
   const Matrix2 slope{lane.yx[0], lane.yx[1], lane.yy[0], lane.yy[1]};
-  if (lane.tolerance < kLoosest && spectral_radius(jacobian) > kHardlyContracts)
-    return give_up(ScalarReason::weak_friction);
+  if (lane.tolerance < kLoosest && spectral_radius(jacobian) > kHardlyContracts) return Need::scalar;
   const Pair<double> step = newton_step(jacobian, gap);
   const double size = length(step);
   // Far from the orbit Newton's method can go astray; the map itself never separates two motions.

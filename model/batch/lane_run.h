@@ -42,7 +42,6 @@ BatchSteady steady_with(const Eigen::Vector2d& drift, double angular_frequency, 
 class LaneRun {
  public:
   LaneState lane;
-  ScalarReason reason = ScalarReason::drive;  ///< why it needs the scalar integrator
   int steps = 0;
 
   /// After a step of that kind.
@@ -51,10 +50,6 @@ class LaneRun {
  protected:
   /// On the way over `left` under friction kappa: what first? `edge` if it is there, held at rest or not.
   Need set_off(double kappa, double left);
-  Need give_up(ScalarReason why) {
-    reason = why;
-    return Need::scalar;
-  }
   bool at_rest() const { return lane.vx == 0 && lane.vy == 0; }
   /// The displacement since the last edge, in the frame that stands as the turning one does at this phase.
   Pair<double> take_displacement() {

@@ -59,30 +59,6 @@ PlanStage switches(const Scene& scene) {
   return {"friction switches", false, "mu is constant: a pulse of no width, or mu2 = mu1"};
 }
 
-PlanStage driven(const Scene& scene) {
-  const Drive& d = scene.scenario.drive;
-  const double w = d.angular_frequency, a = std::max(d.amplitude, d.amplitude_y) * w * w;
-  if (a > 0) return {"platform drive", true, with_figures("a = A w^2 = %.4g m/s^2", a)};
-  return {"platform drive", false, "A = 0: a free slide along a straight line"};
-}
-
-PlanStage elliptic(const Scene& scene) {
-  const Drive& d = scene.scenario.drive;
-  const bool circular = d.amplitude == d.amplitude_y && std::fabs(std::cos(d.phase_shift)) < 1e-15;
-  if (circular)
-    return {"elliptic drive", false, "circular drive: its length never changes, one closed form serves both"};
-  return {"elliptic drive", true,
-          with_figures("the drive's x and y differ: A = %.4g mm, A_y = %.4g mm, epsilon = %.6g rad",
-                       1e3 * d.amplitude, 1e3 * d.amplitude_y, d.phase_shift)};
-}
-
-PlanStage tilt(const Scene& scene) {
-  const Drive& d = scene.scenario.drive;
-  const double pull = d.gravity * std::hypot(std::sin(d.tilt_x), std::sin(d.tilt_y));
-  if (pull == 0) return {"tilt", false, "no tilt was given"};
-  return {"tilt", true, with_figures("gravity pulls along the platform with %.4g m/s^2", pull)};
-}
-
 PlanStage transient(const Scene& scene, const std::optional<SteadyOrbit>& orbit) {
   if (scene.scenario.start == Start::rest)
     return {"transient", true, "the run starts from rest: its first cycles differ from the others"};
@@ -160,16 +136,10 @@ std::vector<PlanStage> plan(const Scenario& scenario) {
   const Scene scene(scenario);
   const bool worth_knowing = scenario.start != Start::rest || scene.cycles > 2;
   const auto orbit = worth_knowing ? steady_orbit(scenario) : std::nullopt;
-  std::vector<PlanStage> stages{stick(scene), switches(scene), driven(scene), elliptic(scene), tilt(scene)};
-  stages.push_back(transient(scene, orbit));
-  if (worth_knowing)
-    stages.push_back(every_cycle(scene, orbit));
-  else
-    stages.push_back({"every cycle", true, with_figures("%.4g cycles: nothing to repeat", scene.cycles)});
-  stages.push_back(
-      {"dense output", true, "the motion between start and end is needed: shorter arcs, all of them stored"});
-  stages.push_back({"derivatives", false, "not needed: derivatives are used by fits only"});
-  return stages;
+  return {stick(scene), switches(scene), transient(scene, orbit),
+          worth_knowing
+              ? every_cycle(scene, orbit)
+              : PlanStage{"every cycle", true, with_figures("%.4g cycles: nothing to repeat", scene.cycles)}};
 }
 
 }  // namespace tribotrack::model

@@ -7,7 +7,7 @@
 namespace tribotrack::model::internal {
 
 struct Kernels {
-  ArcSolvers arcs;
+  ArcSolver arc = nullptr;
   SlideMachines slides;
 };
 

@@ -109,28 +109,6 @@ class Integration {
     q_ << 0, 0, scenario.initial_velocity;
   }
 
-  /// Positions at `times`, the last of which may be the end.
-  Eigen::Matrix2Xd run(const std::vector<double>& times) {
-    Eigen::Matrix2Xd positions(2, static_cast<Eigen::Index>(times.size()));
-    std::size_t next = 0;
-    const auto take = [&](double until) {
-      for (; next < times.size() && times[next] <= until; ++next)
-        positions.col(static_cast<Eigen::Index>(next)) = q_.head<2>();
-    };
-    take(0);
-    for (const double station : f_.stations()) {
-      middle_ = (t_ + station) / 2;
-      while (t_ < station) {
-        const double until = next < times.size() ? std::min(times[next], station) : station;
-        if (q_.tail<2>().isZero(0)) rest(until);
-        if (t_ < until) slide(until);
-        if (t_ >= until) take(until);
-      }
-    }
-    take(HUGE_VAL);
-    return positions;
-  }
-
   /// Where the run ends. Once a turn brings the velocity back to where it was, the turns that are left repeat
   /// it.
   Eigen::Vector2d end(double turn) {
@@ -226,27 +204,13 @@ class Integration {
 
 }  // namespace
 
-namespace {
-
-void require_known(const Scenario& scenario) {
+Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance) {
   scenario.validate();
   if (scenario.start != Start::rest)
     throw InvalidParameter("rival friction laws are integrated from rest or an initial velocity only");
   if (scenario.spin.rate != 0)
     throw InvalidParameter("rival friction laws are integrated for parts that do not spin");
-}
-
-}  // namespace
-
-Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance) {
-  require_known(scenario);
   return Integration(scenario, law, tolerance).end(kTurn / scenario.drive.angular_frequency);
-}
-
-Eigen::Matrix2Xd rival_positions(const Scenario& scenario, const RivalLaw& law,
-                                 const std::vector<double>& times, double tolerance) {
-  require_known(scenario);
-  return Integration(scenario, law, tolerance).run(times);
 }
 
 }  // namespace tribotrack::model

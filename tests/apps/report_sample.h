@@ -201,9 +201,9 @@ inline ReportData campaign(unsigned seed = 1) {
   data.runs.push_back(failed);
   data.runs.push_back(slide(random));
 
-  data.over_phi = group_over_phi(data.runs);
+  data.over_phi = groups_over(Over::phi, data.runs);
   for (ReportGroup& group : data.over_phi) {
-    group.curve_x_rad = curve_phis(group, data.runs);
+    group.curve_x_rad = curve_angles(Over::phi, group, data.runs);
     for (const double phi : group.curve_x_rad) {
       group.curve_alpha_rad.push_back(alpha_of(phi, group.shared_rad));
       group.curve_v_mm_s.push_back(v_of(group.shared_rad));
@@ -211,9 +211,9 @@ inline ReportData campaign(unsigned seed = 1) {
       group.curve_v_sd_mm_s.push_back(0.02);
     }
   }
-  data.over_dtau = group_over_dtau(data.runs);
+  data.over_dtau = groups_over(Over::dtau, data.runs);
   for (ReportGroup& group : data.over_dtau) {
-    group.curve_x_rad = curve_dtaus(group, data.runs);
+    group.curve_x_rad = curve_angles(Over::dtau, group, data.runs, 61);
     for (const double dtau : group.curve_x_rad) {
       group.curve_alpha_rad.push_back(alpha_of(group.shared_rad, dtau));
       group.curve_v_mm_s.push_back(v_of(dtau));
@@ -222,8 +222,8 @@ inline ReportData campaign(unsigned seed = 1) {
     }
   }
   data.program_version = "0.1.0";
-  data.inputs = {{"campaign.toml", "xxh3-128:0123456789abcdef0123456789abcdef"},
-                 {"phi0_dtau60.cine", "xxh3-128:fedcba9876543210fedcba9876543210"}};
+  data.inputs = {{"campaign.toml", "0123456789abcdef0123456789abcdef"},
+                 {"phi0_dtau60.cine", "fedcba9876543210fedcba9876543210"}};
   data.configuration =
       "[platform]\namplitude_mm = 0.28\n\n[fit]\nparameters = [\"mu1\", \"mu2\", \"phase_lag_rad\"]\n";
   return data;

@@ -20,8 +20,7 @@ inline Eigen::MatrixXd dense_covariance(const fit::TrackTable& track, double add
       double slow = 0;
       for (const fit::SlowError& s : track.slow)
         slow += s.sd * s.sd * std::exp(-std::abs(track.time[a] - track.time[b]) / s.time);
-      v.block<2, 2>(2 * i, 2 * j) =
-          first.slow * second.slow * slow * Eigen::Matrix2d::Identity() + first.all * second.all.transpose();
+      v.block<2, 2>(2 * i, 2 * j) = first.slow * second.slow * slow * Eigen::Matrix2d::Identity();
       if (i == j) v.block<2, 2>(2 * i, 2 * i) += first.own + added * Eigen::Matrix2d::Identity();
     }
   return v;

@@ -177,28 +177,6 @@ TEST(Estimate, TheScalesUncertaintyEntersTheCovariance) {
   EXPECT_NEAR(own.value(FitParameter::mu1), 0.1, 1e-6);
 }
 
-// 0.1 deg of tilt turns alpha by degrees: left out it is named, fitted it is found.
-TEST(Estimate, AnUnknownTiltShowsAndCanBeFitted) {
-  auto scenarios = test::fourteen({});
-  for (auto& s : scenarios) s.drive.tilt_x = 0.002, s.drive.tilt_y = -0.001;
-  Problem problem = exact_problem(scenarios);
-  for (auto& run : problem.summary_runs) run.scenario.drive.tilt_x = run.scenario.drive.tilt_y = 0;
-  FitOptions options;
-  options.profiles = false;
-  const FitResult blind = estimate(problem, options);
-  EXPECT_LT(blind.p_value, 1e-3);
-  EXPECT_GT(blind.chi2, 10 * blind.dof) << "before anything is explained";
-  EXPECT_THAT(blind.verdict_text(), HasSubstr("the values hold under a tilt of the platform"));
-  EXPECT_NEAR(blind.value(FitParameter::mu1), 0.1, 1e-5) << "under it";
-  EXPECT_GT(std::abs(blind.as_assumed.at(FitParameter::mu1).estimate - 0.1), 1e-3);
-  problem.free.push_back(FitParameter::tilt_x);
-  problem.free.push_back(FitParameter::tilt_y);
-  const FitResult seeing = estimate(problem, options);
-  EXPECT_NEAR(seeing.value(FitParameter::tilt_x), 0.002, 1e-7);
-  EXPECT_NEAR(seeing.value(FitParameter::tilt_y), -0.001, 1e-7);
-  EXPECT_NEAR(seeing.value(FitParameter::mu1), 0.1, 1e-6);
-}
-
 TEST(Estimate, RefusesWhatCannotBeFitted) {
   const auto refuses = [](const Problem& problem, const char* text) {
     try {

@@ -1,7 +1,6 @@
 // Tracks with correlated errors of known size.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <random>
 
@@ -15,9 +14,6 @@ namespace tribotrack::test {
 struct SlowTruth {
   double drift = 0, walk = 0, circle = 0, overtones = 0;
   double time = 2;  ///< s
-  /// Of cos and sin of the platform's phase, m: the same in all runs that get it.
-  std::array<Eigen::Vector2d, 2> common{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
-  double common_drift = 0;  ///< m over `time`, along the way of every run
 };
 
 /// `rate` frames/s of the scenario's motion in the platform's frame; white noise `sigma` per axis and slow
@@ -37,17 +33,14 @@ inline fit::TrajectoryRun slow_track(const model::Scenario& truth, double rate, 
   Eigen::Vector2d walk = Eigen::Vector2d::Zero(), sines[3][2];
   for (int order = 0; order < 3; ++order)
     for (auto& sine : sines[order]) sine = (order == 0 ? slow.circle : slow.overtones) * pair();
-  const Eigen::Vector2d way = slow.common_drift * motion.end().position.normalized();
   for (int k = 0; k / rate <= truth.end_time(); ++k) {
     const double t = k / rate;
     if (k > 0) walk += slow.walk / std::sqrt(slow.time * rate) * pair();
-    Eigen::Vector2d seen = motion.at(t).position + sigma * pair() + (drift + way) * t / slow.time + walk;
+    Eigen::Vector2d seen = motion.at(t).position + sigma * pair() + drift * t / slow.time + walk;
     for (int order = 0; order < 3; ++order) {
       const double angle = (order + 1) * truth.drive.angular_frequency * t;
       seen += std::cos(angle) * sines[order][0] + std::sin(angle) * sines[order][1];
     }
-    const double phase = truth.start_phase + truth.drive.angular_frequency * t;
-    seen += std::cos(phase) * slow.common[0] + std::sin(phase) * slow.common[1];
     run.track.time.push_back(t);
     run.track.frame.push_back(k);
     run.track.position.push_back(seen);

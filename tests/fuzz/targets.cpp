@@ -40,7 +40,7 @@ void read_scenario(const std::filesystem::path& file) {
 void read_foreign_track(const std::filesystem::path& file) {
   apps::TrackReading reading;
   reading.unit = "mm";
-  reading.y = apps::TrackReading::YAxis::up;
+  reading.y = "up";
   reading.mm_per_px = 0.1;
   apps::read_any_track(file, reading);
 }
@@ -83,7 +83,7 @@ void read_fit(const Hostile& fit) {
                    R"({"program": "tribotrack", "version": "0.1.0", "schema": 1, "command": "run",
           "inputs": [{"path": "c/campaign.toml", "xxh3_128": "00"}],
           "configuration": {"platform": {"amplitude_mm": 0.28, "amplitude_mm_sd": 0.01},
-            "part": {"diameter_mm": 6.0, "diameter_sd_mm": 0}, "fit": {"fixed": {"mu2": 0.1}},
+            "part": {"diameter_mm": 6.0, "diameter_mm_sd": 0}, "fit": {"fixed": {"mu2": 0.1}},
             "runs": [{"alpha_rad": 1, "alpha_sd_rad": 0.01, "v_mm_s": 2, "v_sd_mm_s": 0.1, "cycles": 20},
                      {"alpha_rad": 2, "alpha_sd_rad": 0.01, "v_mm_s": 3, "v_sd_mm_s": 0.1, "cycles": 20},
                      {"alpha_rad": 3, "alpha_sd_rad": 0.01, "v_mm_s": 4, "v_sd_mm_s": 0.1, "cycles": 20}]}})");
@@ -95,12 +95,12 @@ void read_fit(const Hostile& fit) {
 /// A track's, and that of a fit, as `report` reads it.
 void read_meta(const Hostile& hostile) {
   const auto file = hostile.as("t.csv.meta.json");
-  hostile.read_or_refuse([&] {
-    const apps::Json meta = apps::read_json(file);
-    hostile.read_or_refuse([&] { apps::track_described_by(meta, file); });
-    apps::ReportData report;
-    apps::add_provenance(meta, file, report);
-  });
+  hostile.read_or_refuse([&] { apps::track_described_by(apps::read_json(file), file); });
+  hostile.folder.write("fit.json", R"({"parameters": {}, "correlation": {}, "chi2": 20.0, "dof": 25,
+      "agreement": "good", "converged": true, "identifiability": {"verdict": "identifiable", "weak_directions": []},
+      "runs": [{"name": "a", "kind": "displacement", "observables": []}]})");
+  hostile.as("fit.json.meta.json");
+  hostile.read_or_refuse([&] { apps::collect(apps::RunFolder{hostile.folder.path()}); });
 }
 
 /// Beside a meta file that is as it should be.

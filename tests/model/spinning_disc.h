@@ -1,4 +1,4 @@
-// The friction of a spinning disc by brute force: velocities of points all over its face, a fixed small step.
+// The friction of a spinning disc by brute force: a sum over all of its face, a fixed small step.
 // Knows nothing of elliptic integrals.
 #pragma once
 
@@ -15,43 +15,8 @@ struct FaceForce {
   double force = 0, torque = 0;
 };
 
-/// Double exponential quadrature (Takahasi, Mori 1974) in both polar coordinates. The point of the face that
-/// rests, where the direction of friction is undefined, is put into a corner, where nodes crowd.
-inline FaceForce face_force(double u, double w, double step = 0.06) {
-  struct Node {
-    double from_low, from_high, weight;  ///< shares of the interval
-  };
-  std::vector<Node> nodes;
-  for (int k = -60; k <= 60; ++k) {
-    const double t = step * k, s = std::numbers::pi / 2 * std::sinh(t);
-    const double low = 1 / (1 + std::exp(-2 * s)), high = 1 / (1 + std::exp(2 * s));
-    const double weight = step * std::numbers::pi * std::cosh(t) * low * high;
-    if (weight > 1e-20) nodes.push_back({low, high, weight});
-  }
-  FaceForce sum;
-  const double still = w > u ? u / w : 1;  // the radius of the resting point, opposite to the rim's advance
-  const auto ring = [&](double r, double from_still, double weight) {
-    for (const Node& n : nodes) {
-      const double off = std::numbers::pi * n.from_low;  // angle from the resting point's direction
-      const double half = std::sin(off / 2);
-      // u - w r cos(off), exact where both cancel.
-      const double along = (still < 1 ? -w * from_still : (u - w) - w * from_still) + 2 * w * r * half * half;
-      const double across = w * r * std::sin(off), speed = std::hypot(along, across);
-      if (!(speed > 0)) continue;
-      const double share = 2 * r * weight * n.weight;
-      sum.force += share * along / speed;
-      sum.torque += share * r * (w * r - u * std::cos(off)) / speed;
-    }
-  };
-  for (const Node& n : nodes) {
-    ring(still * n.from_low, -still * n.from_high, still * n.weight);
-    if (still < 1) ring(still + (1 - still) * n.from_low, (1 - still) * n.from_low, (1 - still) * n.weight);
-  }
-  return sum;
-}
-
-/// The same as a sum over directions seen from the face's resting point (on the disc or beside it), about
-/// which it turns: friction along a ray has one direction, and only the chord's length counts. Spectral but
+/// By a sum over directions seen from the face's resting point (on the disc or beside it), about which it
+/// turns: friction along a ray has one direction, and only the chord's length counts. Spectral but
 /// for u near w. No spin, or w >= 0.05 u.
 inline FaceForce force_by_directions(double u, double w) {
   if (w == 0) return {1, 0};

@@ -1,4 +1,5 @@
-// A sharp disc seen through Gaussian optics, from the definition alone: slow and obviously right.
+// A sharp disc seen through Gaussian optics, and a texture, from the definition alone: slow and obviously
+// right.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +8,8 @@
 #include <numbers>
 #include <utility>
 #include <vector>
+
+#include "vision/synthesis/texture.h"
 
 namespace tribotrack::vision::test {
 
@@ -49,5 +52,12 @@ class TabulatedDiscs {
  private:
   std::map<std::pair<double, double>, std::vector<double>> tables_;
 };
+
+/// Grey levels about zero at a place of the platform.
+inline double texture_at(const PlatformTexture& texture, double x, double y) {
+  double sum = 0;
+  for (const auto& w : texture.waves()) sum += w.amplitude * std::cos(w.kx * x + w.ky * y + w.phase);
+  return sum;
+}
 
 }  // namespace tribotrack::vision::test

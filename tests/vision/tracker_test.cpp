@@ -273,25 +273,5 @@ TEST(TrackerOnRealRecordings, DicChallengeShiftOfATenthOfAPixel) {
   EXPECT_NEAR(my, 0.10, 0.003);
 }
 
-TEST(TrackerOnRealRecordings, StruckCarromManIsFollowedUntilItLeaves) {
-  if (real_data().empty()) GTEST_SKIP() << "TRIBOTRACK_REAL_DATA is not set";
-  SourceOptions rate;
-  rate.frame_rate_hz = 240;
-  const auto source = open_source(real_data() / "carrom" / "HeadOn.MP4", rate);
-  TrackOptions options = follow(151, 87, 9);
-  options.first_frame = 188;
-  const TrackResult result = track(*source, options);
-  EXPECT_TRUE(result.summary.gate_passed);
-  EXPECT_TRUE(result.summary.left_for_good);
-  double last_x = 0;
-  for (const TrackPoint& p : result.track.points) {
-    EXPECT_EQ(p.status == TrackStatus::ok, p.frame <= 275) << p.frame;
-    if (p.status != TrackStatus::ok) continue;
-    EXPECT_GT(p.x, last_x);  // always to the right
-    last_x = p.x;
-  }
-  EXPECT_NEAR(last_x, 309.2, 0.5);
-}
-
 }  // namespace
 }  // namespace tribotrack::vision

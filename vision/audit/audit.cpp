@@ -17,7 +17,6 @@ double time_step(const Track& track) {
          static_cast<double>(track.points.size() - 1);
 }
 
-constexpr double kMotion = 0.95;      ///< lag-1 correlation
 constexpr double kWorthSaying = 1.3;  ///< ratio
 
 void audit_halves(const std::vector<AuditFrame>& frames, double time_step, Audit& out) {
@@ -35,22 +34,12 @@ void audit_halves(const std::vector<AuditFrame>& frames, double time_step, Audit
   out.slow_time = found->slow_frames * time_step;
 }
 
-void take_larger(std::optional<double>& most, double value) {
-  if (!most || std::abs(value) > std::abs(*most)) most = value;
-}
-
 /// The coordinate that is worse off counts for both.
 void audit_coordinate(const std::vector<TrackStretch>& parts, Audit& out) {
-  const auto fast = high_frequency(parts);
-  if (!fast) return;
-  MeanSquare noise = fast->noise;
-  // A residual that hardly changes from frame to frame is what the polynomial leaves of the motion.
-  if (const auto lag1 = lag1_correlation(parts, fast->order); lag1 && lag1->value < kMotion) {
-    take_larger(out.lag1, lag1->value);
-    noise = without_alternation(*fast, lag1->value + 2 * lag1->scatter);  // as far as it is beyond doubt
-  }
-  take_larger(out.high_frequency, std::sqrt(noise.value));
-  out.white_factor = std::max(out.white_factor, supported(noise));
+  const auto found = high_frequency(parts);
+  if (!found) return;
+  out.high_frequency = std::max(out.high_frequency.value_or(0), std::sqrt(found->noise.value));
+  out.white_factor = std::max(out.white_factor, supported(found->noise));
 }
 
 }  // namespace

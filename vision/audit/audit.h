@@ -3,7 +3,6 @@
 // Those come from a model of the pictures. The audit asks what no model of the pictures enters:
 //   halves           do complementary halves of the pixels agree on the position (halves.h)?
 //   high frequency   do positions scatter from frame to frame as they should (frame_to_frame.h)?
-//   lag 1            are errors of consecutive frames alike, or opposite (frame_to_frame.h)?
 // An error that all pixels share and that is slow shows in none of them.
 #pragma once
 

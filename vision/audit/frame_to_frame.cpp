@@ -1,11 +1,9 @@
 #include "vision/audit/frame_to_frame.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
@@ -113,110 +111,6 @@ std::optional<HighFrequency> high_frequency(const std::vector<TrackStretch>& str
     low = next;
   }
   return std::nullopt;
-}
-
-MeanSquare without_alternation(const HighFrequency& found, double correlation) {
-  const double rho = std::min(0.0, correlation);
-  const int p = found.order;
-  double larger = 1;
-  for (int lag = 1; lag <= p; ++lag)
-    larger += 2 * std::pow(-rho, lag) * choose(2 * p, p + lag) / choose(2 * p, p);
-  return {found.noise.value / larger, found.noise.scatter / larger};
-}
-
-namespace {
-
-/// What is left of a track when a polynomial is fitted about every frame (Savitzky & Golay, Anal. Chem. 36,
-/// 1964): least squares over 2 h + 1 frames, taken at the middle one.
-class LocalPolynomial {
- public:
-  /// For a motion that differences of this order do not show (high_frequency): that degree, over twice the
-  /// frames it needs, which leaves most of the noise.
-  explicit LocalPolynomial(int order) : half_(static_cast<std::size_t>(order) + 2), weights_(2 * half_ + 1) {
-    const auto count = static_cast<Eigen::Index>(weights_.size());
-    Eigen::MatrixXd powers(count, order + 1);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const double t = static_cast<double>(i) / static_cast<double>(half_) - 1;
-      for (Eigen::Index d = 0; d <= order; ++d) powers(i, d) = std::pow(t, d);
-    }
-    const Eigen::MatrixXd fit =
-        solve_spd(powers.transpose() * powers, powers.transpose());  // row 0: the value at t = 0
-    for (Eigen::Index i = 0; i < count; ++i) weights_[static_cast<std::size_t>(i)] = -fit(0, i);
-    weights_[half_] += 1;
-  }
-
-  std::size_t half() const { return half_; }
-
-  /// At every frame but the first and last `half`: the value less the polynomial's.
-  std::vector<double> residual(const std::vector<double>& values) const {
-    std::vector<double> out;
-    for (std::size_t k = 0; k + weights_.size() <= values.size(); ++k) {
-      double sum = 0;
-      for (std::size_t i = 0; i < weights_.size(); ++i) sum += weights_[i] * values[k + i];
-      out.push_back(sum);
-    }
-    return out;
-  }
-
-  /// Correlation of consecutive residuals of errors each of which is `rho` times the last and white noise.
-  double lag1(double rho) const {
-    const auto reach = static_cast<std::ptrdiff_t>(weights_.size());
-    double same = 0, next = 0;
-    for (std::ptrdiff_t lag = -reach; lag <= reach; ++lag) {
-      const double of_errors = std::pow(rho, std::abs(lag));
-      same += of_errors * correlation(lag);
-      next += of_errors * correlation(lag + 1);
-    }
-    return next / same;
-  }
-
- private:
-  /// Of the weights with themselves.
-  double correlation(std::ptrdiff_t lag) const {
-    const auto distance = static_cast<std::size_t>(std::abs(lag));
-    double sum = 0;
-    for (std::size_t i = distance; i < weights_.size(); ++i) sum += weights_[i] * weights_[i - distance];
-    return sum;
-  }
-
-  std::size_t half_;
-  std::vector<double> weights_;  ///< of the residual
-};
-
-/// The rho that leaves residuals correlated like this, by bisection.
-double autoregression(const LocalPolynomial& fit, double residual_correlation) {
-  double low = -1, high = 1;
-  while (high - low > 1e-6) {
-    const double rho = 0.5 * (low + high);
-    (fit.lag1(rho) < residual_correlation ? low : high) = rho;
-  }
-  return 0.5 * (low + high);
-}
-
-}  // namespace
-
-std::optional<Correlation> lag1_correlation(const std::vector<TrackStretch>& stretches, int order) {
-  constexpr int kLeastPairs = 50;
-  const LocalPolynomial fit(order);
-  std::vector<std::vector<double>> series;
-  std::vector<double> all;
-  for (const TrackStretch& s : stretches) {
-    std::vector<double>& z = series.emplace_back(fit.residual(s.position));
-    for (std::size_t k = 0; k < z.size(); ++k) z[k] /= s.sigma[k + fit.half()];
-    all.insert(all.end(), z.begin(), z.end());
-  }
-  const double limit = outlier_size(all);
-  double product = 0, square = 0;
-  int pairs = 0;
-  for (const std::vector<double>& z : series)
-    for (std::size_t k = 1; k < z.size(); ++k) {
-      if (std::abs(z[k - 1]) > limit || std::abs(z[k]) > limit) continue;
-      product += z[k - 1] * z[k];
-      square += 0.5 * (z[k - 1] * z[k - 1] + z[k] * z[k]);
-      ++pairs;
-    }
-  if (pairs < kLeastPairs || !(square > 0)) return std::nullopt;
-  return Correlation{autoregression(fit, product / square), 1 / std::sqrt(pairs)};
 }
 
 }  // namespace tribotrack::vision

@@ -34,18 +34,4 @@ struct HighFrequency {
 /// Single outliers are left out. nullopt where the motion is too fast or there are fewer than 24 differences.
 std::optional<HighFrequency> high_frequency(const std::vector<TrackStretch>& stretches);
 
-/// Errors that alternate make differences larger than white noise of the same size does: what remains of
-/// the variance if the errors are an autoregression with this correlation, or a positive one is ignored.
-MeanSquare without_alternation(const HighFrequency& found, double correlation);
-
-struct Correlation {
-  double value = 0;
-  double scatter = 0;  ///< standard deviation of the value
-};
-
-/// Correlation of errors with those of the next frame: the one with which an autoregression of first order
-/// would leave residuals as alike as the track's about a local polynomial, for a motion that differences of
-/// this order do not show. 0 for white noise. nullopt from fewer than 50 pairs.
-std::optional<Correlation> lag1_correlation(const std::vector<TrackStretch>& stretches, int order);
-
 }  // namespace tribotrack::vision

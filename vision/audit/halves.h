@@ -93,24 +93,4 @@ std::vector<AuditRun> audit_runs(std::int64_t first, std::int64_t total);
 /// Whether the frame lies in one of the runs.
 bool in_audit(const std::vector<AuditRun>& runs, std::int64_t index);
 
-/// The same where nobody knows yet in how many frames the part will be seen: runs are thinned out to every
-/// second, fourth, ... one as they grow too many.
-class AuditSample {
- public:
-  /// Whether the next frame in which the part is seen is to be audited.
-  bool wanted() const { return run() % stride_ == 0; }
-  /// The part was seen in one more frame, audited or not.
-  void seen(const std::optional<AuditFrame>& frame);
-  /// All of a short track, else between 128 and 256.
-  const std::vector<AuditFrame>& frames() const { return frames_; }
-
- private:
-  std::int64_t run() const { return seen_ / kAuditRun; }
-  void thin_out();
-
-  std::int64_t seen_ = 0, stride_ = 1;
-  std::vector<AuditFrame> frames_;
-  std::vector<std::int64_t> runs_;  ///< of each of these
-};
-
 }  // namespace tribotrack::vision

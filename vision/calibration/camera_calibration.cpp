@@ -1,5 +1,5 @@
 // The camera's calibration: its geometry, and its fit to pictures of a board.
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -7,12 +7,11 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "vision/calibration.h"
-#include "vision/calibration/corners.h"
 #include "vision/frame_source.h"
-#include "vision/io/files.h"
-#include "vision/kernels/dense.h"
+#include "vision/tags/dictionary.h"
 
 namespace tribotrack::vision {
 
@@ -131,73 +130,69 @@ constexpr double kLeastTurn =
     0.09;  ///< rad between the boards' directions: less does not fix the focal length
 constexpr double kWorstFocal = 0.1;  ///< relative sd of the focal length that still means something
 
-/// Lens terms in the order of OpenCV's distortion vector: k1, k2, p1, p2, k3.
+constexpr int kNoDistortion =
+    cv::CALIB_FIX_K1 | cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST;
+constexpr int kSquare = cv::CALIB_FIX_ASPECT_RATIO;
+
+/// Terms of the lens that are fitted.
 struct Model {
   const char* name;
-  int flags;
-  std::vector<int> terms;
-  bool one_focal_length;
+  int flags, unknowns;
 };
+constexpr Model kModels[] = {{"no distortion", kNoDistortion | kSquare, 3},
+                             {"k1", (kNoDistortion & ~cv::CALIB_FIX_K1) | kSquare, 4},
+                             {"k1, k2", cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST | kSquare, 5},
+                             {"k1, p1, p2", cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3 | kSquare, 6},
+                             {"k1, k2, p1, p2", cv::CALIB_FIX_K3 | kSquare, 7},
+                             {"k1, k2, p1, p2, k3", kSquare, 8},
+                             {"fx and fy apart, k1", kNoDistortion & ~cv::CALIB_FIX_K1, 5},
+                             {"fx and fy apart, k1, k2, p1, p2", cv::CALIB_FIX_K3, 8}};
 
-std::vector<Model> models() {
-  constexpr int none = cv::CALIB_FIX_K1 | cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3 | cv::CALIB_ZERO_TANGENT_DIST;
-  constexpr int square = cv::CALIB_FIX_ASPECT_RATIO;
-  return {{"no distortion", none | square, {}, true},
-          {"k1", (none & ~cv::CALIB_FIX_K1) | square, {0}, true},
-          {"k1, k2", (none & ~cv::CALIB_FIX_K1 & ~cv::CALIB_FIX_K2) | square, {0, 1}, true},
-          {"k1, p1, p2", cv::CALIB_FIX_K2 | cv::CALIB_FIX_K3 | square, {0, 2, 3}, true},
-          {"k1, k2, p1, p2", cv::CALIB_FIX_K3 | square, {0, 1, 2, 3}, true},
-          {"k1, k2, p1, p2, k3", square, {0, 1, 2, 3, 4}, true},
-          {"fx and fy apart, k1", none & ~cv::CALIB_FIX_K1, {0}, false},
-          {"fx and fy apart, k1, k2, p1, p2", cv::CALIB_FIX_K3, {0, 1, 2, 3}, false}};
-}
-
-struct Solution {
-  cv::Mat camera, distortion;
-  std::vector<cv::Mat> rotations, translations;
-  double rss = 0;  ///< px^2
-  double criterion = 0;
-  int unknowns = 0;
-};
-
+/// Pictures in which the board was found: corners as seen, and where they lie on the board (mm, z = 0).
 struct Views {
   std::vector<std::vector<cv::Point2f>> seen;
-  std::vector<std::vector<cv::Point3f>> on_board;
+  std::vector<cv::Point3f> on_board;
   std::vector<std::string> names;
   cv::Size size;
-  std::size_t corners() const {
-    std::size_t n = 0;
-    for (const auto& v : seen) n += v.size();
-    return n;
-  }
+  double corners() const { return static_cast<double>(seen.size() * on_board.size()); }
+};
+
+struct Solution {
+  cv::Mat camera = cv::Mat::eye(3, 3, CV_64F), distortion = cv::Mat::zeros(5, 1, CV_64F);
+  cv::Mat lens_sd;  ///< of fx, fy, ...
+  std::vector<cv::Mat> rotations, translations;
+  std::vector<double> rms_of_views;  ///< px
+  double rms = 0;                    ///< px, of a corner's distance
+  double criterion = 0;
+  double freedoms = 0;
 };
 
 Solution solve(const Views& views, const Model& model) {
   Solution s;
-  s.camera = cv::Mat::eye(3, 3, CV_64F);
-  s.distortion = cv::Mat::zeros(5, 1, CV_64F);
-  const double rms = cv::calibrateCamera(views.on_board, views.seen, views.size, s.camera, s.distortion,
-                                         s.rotations, s.translations, model.flags,
-                                         {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 300, 1e-12});
-  const auto corners = static_cast<double>(views.corners());
-  s.rss = rms * rms * corners;
-  s.unknowns = (model.one_focal_length ? 3 : 4) + static_cast<int>(model.terms.size()) +
-               6 * static_cast<int>(views.seen.size());
-  s.criterion = 2 * corners * std::log(s.rss / (2 * corners)) + s.unknowns * std::log(2 * corners);
+  cv::Mat pose_sd;
+  const std::vector<std::vector<cv::Point3f>> boards(views.seen.size(), views.on_board);
+  s.rms = cv::calibrateCamera(boards, views.seen, views.size, s.camera, s.distortion, s.rotations,
+                              s.translations, s.lens_sd, pose_sd, s.rms_of_views, model.flags,
+                              {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 300, 1e-12});
+  const double residuals = 2 * views.corners();
+  const double unknowns = model.unknowns + 6.0 * static_cast<double>(views.seen.size());
+  s.criterion = residuals * std::log(s.rms * s.rms / 2) + unknowns * std::log(residuals);
+  s.freedoms = std::max(1.0, residuals - unknowns);
   return s;
 }
 
-Eigen::Vector3d normal_of(const cv::Mat& rotation) {
-  cv::Mat r;
+Eigen::Matrix3d matrix_of(const cv::Mat& rotation) {
+  cv::Matx33d r;
   cv::Rodrigues(rotation, r);
-  return {r.at<double>(0, 2), r.at<double>(1, 2), r.at<double>(2, 2)};
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.val);
 }
 
 void require_several_directions(const Solution& s) {
   double widest = 0;
   for (const cv::Mat& a : s.rotations)
     for (const cv::Mat& b : s.rotations)
-      widest = std::max(widest, std::acos(std::clamp(normal_of(a).dot(normal_of(b)), -1.0, 1.0)));
+      widest =
+          std::max(widest, std::acos(std::clamp(matrix_of(a).col(2).dot(matrix_of(b).col(2)), -1.0, 1.0)));
   if (widest < kLeastTurn)
     throw InputError(fmt::format(
         "the pictures all show the board from nearly the same direction ({:.1f} degrees apart at "
@@ -205,149 +200,104 @@ void require_several_directions(const Solution& s) {
         widest * 180 / CV_PI));
 }
 
-/// Normal matrix of all unknowns by OpenCV's own derivatives, then its inverse's block of lens and plane.
-Eigen::MatrixXd covariance_of(const Views& views, const Solution& s, const Model& model) {
-  const int lens = (model.one_focal_length ? 3 : 4) + static_cast<int>(model.terms.size());
-  const int all = lens + 6 * static_cast<int>(views.seen.size());
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(all, all);
-  for (std::size_t v = 0; v < views.seen.size(); ++v) {
-    std::vector<cv::Point2f> projected;
-    cv::Mat slopes;  // rotation 3, translation 3, fx, fy, cx, cy, k1, k2, p1, p2, k3
-    cv::projectPoints(views.on_board[v], s.rotations[v], s.translations[v], s.camera, s.distortion, projected,
-                      slopes);
-    const double aspect = s.camera.at<double>(1, 1) / s.camera.at<double>(0, 0);
-    for (int row = 0; row < slopes.rows; ++row) {
-      Eigen::VectorXd d = Eigen::VectorXd::Zero(all);
-      const double* from = slopes.ptr<double>(row);
-      int k = 0;
-      if (model.one_focal_length) {
-        d(k++) = from[6] + aspect * from[7];
-      } else {
-        d(k++) = from[6];
-        d(k++) = from[7];
-      }
-      d(k++) = from[8];
-      d(k++) = from[9];
-      for (const int term : model.terms) d(k++) = from[10 + term];
-      for (int i = 0; i < 6; ++i) d(lens + 6 * static_cast<int>(v) + i) = from[i];
-      normal.selfadjointView<Eigen::Lower>().rankUpdate(d);
-    }
-  }
-  normal = Eigen::MatrixXd(normal.selfadjointView<Eigen::Lower>());
-  const double freedoms = std::max(1.0, 2.0 * static_cast<double>(views.corners()) - s.unknowns);
-  // Scaled by its diagonal: focal lengths and distortions differ by many powers of ten.
-  const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd inverse =
-      solve_spd(scale.asDiagonal() * normal * scale.asDiagonal(), Eigen::MatrixXd::Identity(all, all));
-  return (scale.asDiagonal() * inverse * scale.asDiagonal() * (s.rss / freedoms))
-      .topLeftCorner(lens + 6, lens + 6);
-}
-
-/// Lens and the first view's pose from the parameters in the order of covariance_of.
-CameraCalibration calibration_from(const Eigen::VectorXd& p, const Model& model, double aspect,
+/// Lens and the first view's pose.
+CameraCalibration calibration_from(const Solution& s, const cv::Mat& rotation, const cv::Mat& translation,
                                    cv::Size size) {
   CameraCalibration c;
   c.width = size.width;
   c.height = size.height;
-  int k = 0;
-  c.lens.fx = p(k++);
-  c.lens.fy = model.one_focal_length ? aspect * c.lens.fx : p(k++);
-  c.lens.cx = p(k++);
-  c.lens.cy = p(k++);
-  double* const terms[] = {&c.lens.k1, &c.lens.k2, &c.lens.p1, &c.lens.p2, &c.lens.k3};
-  for (const int term : model.terms) *terms[term] = p(k++);
-  const cv::Mat rotation = (cv::Mat_<double>(3, 1) << p(k), p(k + 1), p(k + 2));
-  cv::Mat matrix;
-  cv::Rodrigues(rotation, matrix);
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) c.plane.rotation(i, j) = matrix.at<double>(i, j);
-  c.plane.translation = p.segment<3>(k + 3);
+  const auto camera = [&](int i, int j) { return s.camera.at<double>(i, j); };
+  const auto term = [&](int i) { return s.distortion.at<double>(i); };
+  c.lens = {camera(0, 0), camera(1, 1), camera(0, 2), camera(1, 2), term(0),
+            term(1),      term(2),      term(3),      term(4)};
+  c.plane.rotation = matrix_of(rotation);
+  for (int i = 0; i < 3; ++i) c.plane.translation(i) = translation.at<double>(i);
+  c.mm_per_px = scale_in_the_middle(c);
   return c;
 }
 
-Eigen::VectorXd parameters_of(const Solution& s, const Model& model) {
-  std::vector<double> p{s.camera.at<double>(0, 0)};
-  if (!model.one_focal_length) p.push_back(s.camera.at<double>(1, 1));
-  p.push_back(s.camera.at<double>(0, 2));
-  p.push_back(s.camera.at<double>(1, 2));
-  for (const int term : model.terms) p.push_back(s.distortion.at<double>(term));
-  for (const cv::Mat& pose : {s.rotations.front(), s.translations.front()})
-    for (int i = 0; i < 3; ++i) p.push_back(pose.at<double>(i));
-  return Eigen::Map<Eigen::VectorXd>(p.data(), static_cast<Eigen::Index>(p.size()));
-}
-
-std::vector<std::string> names_of(const Model& model) {
-  std::vector<std::string> names =
-      model.one_focal_length ? std::vector<std::string>{"f_px"} : std::vector<std::string>{"fx_px", "fy_px"};
-  names.insert(names.end(), {"cx_px", "cy_px"});
-  for (const int term : model.terms)
-    names.emplace_back(std::array{"k1", "k2", "p1", "p2", "k3"}[static_cast<std::size_t>(term)]);
-  names.insert(names.end(), {"rotation_x_rad", "rotation_y_rad", "rotation_z_rad", "x_mm", "y_mm", "z_mm"});
-  return names;
-}
-
-std::vector<PictureResult> table_of(const Views& views, const Solution& s) {
-  std::vector<PictureResult> table;
-  for (std::size_t v = 0; v < views.seen.size(); ++v) {
-    std::vector<cv::Point2f> projected;
-    cv::projectPoints(views.on_board[v], s.rotations[v], s.translations[v], s.camera, s.distortion,
-                      projected);
-    PictureResult r;
-    r.name = views.names[v];
-    r.corners = static_cast<int>(projected.size());
-    for (std::size_t i = 0; i < projected.size(); ++i) {
-      const double off = cv::norm(projected[i] - views.seen[v][i]);
-      r.rms_px += off * off / r.corners;
-      r.worst_px = std::max(r.worst_px, off);
-    }
-    r.rms_px = std::sqrt(r.rms_px);
-    r.tilt_rad = std::acos(std::min(1.0, std::abs(normal_of(s.rotations[v]).z())));
-    table.push_back(r);
+/// The scale follows the pose of the plane in its own picture (C = s^2 (J'J)^-1 of six unknowns). An error of
+/// the focal length moves that pose and leaves the scale as it is.
+double scale_sd(const Views& views, const Solution& s) {
+  std::vector<cv::Point2f> projected;
+  cv::Mat slopes;  // by rotation 3, translation 3, lens
+  cv::projectPoints(views.on_board, s.rotations[0], s.translations[0], s.camera, s.distortion, projected,
+                    slopes);
+  cv::Mat pose, covariance;
+  cv::vconcat(s.rotations[0], s.translations[0], pose);
+  const cv::Mat by_pose = slopes.colRange(0, 6);
+  cv::invert(by_pose.t() * by_pose, covariance, cv::DECOMP_CHOLESKY);
+  covariance *= s.rms * s.rms * views.corners() / s.freedoms;
+  cv::Mat slope(6, 1, CV_64F);
+  for (int i = 0; i < 6; ++i) {
+    const double step = 1e-2 * std::sqrt(covariance.at<double>(i, i));
+    const auto scale_at = [&](double off) {
+      cv::Mat moved = pose.clone();
+      moved.at<double>(i) += off;
+      return calibration_from(s, moved.rowRange(0, 3), moved.rowRange(3, 6), views.size).mm_per_px;
+    };
+    slope.at<double>(i) = (scale_at(step) - scale_at(-step)) / (2 * step);
   }
-  return table;
+  return std::sqrt(cv::Mat(slope.t() * covariance * slope).at<double>(0));
 }
 
-void add(Views& views, const CalibrationPicture& picture, BoardView view) {
-  views.seen.push_back(std::move(view.seen));
-  views.on_board.push_back(std::move(view.on_board));
-  views.names.push_back(picture.name);
+/// The board's inner corners, row by row; empty where it is not seen whole.
+std::vector<cv::Point2f> corners_in(const Picture& levels, cv::Size inner) {
+  const cv::Mat picture = to_8_bit(levels);
+  std::vector<cv::Point2f> corners;
+  if (!cv::findChessboardCornersSB(
+          picture, inner, corners,
+          cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY | cv::CALIB_CB_NORMALIZE_IMAGE))
+    corners.clear();
+  return corners;
 }
 
 Views find_views(const CalibrationBoard& board, const CalibrationPicture& plane,
                  const std::vector<CalibrationPicture>& pictures, std::vector<std::string>& left_out) {
   Views views;
+  const cv::Size inner(board.columns - 1, board.rows - 1);
+  for (int y = 0; y < inner.height; ++y)
+    for (int x = 0; x < inner.width; ++x)
+      views.on_board.emplace_back(static_cast<float>(x * board.square_mm),
+                                  static_cast<float>(y * board.square_mm), 0.0F);
   views.size = {plane.picture.width(), plane.picture.height()};
-  BoardView on_platform = find_board(board, plane.picture);
-  if (on_platform.seen.empty())
-    throw InputError(in_quotes(plane.name) + " shows no board of " + std::to_string(board.columns) + " x " +
-                     std::to_string(board.rows) +
-                     " squares, and this picture fixes the platform's plane; check --squares, and that "
-                     "the board is sharp, evenly lit and wholly in the picture");
-  add(views, plane, std::move(on_platform));
+  const auto add = [&](const CalibrationPicture& picture) {
+    std::vector<cv::Point2f> seen = corners_in(picture.picture, inner);
+    if (seen.empty()) return false;
+    views.seen.push_back(std::move(seen));
+    views.names.push_back(picture.name);
+    return true;
+  };
+  if (!add(plane))
+    throw InputError(fmt::format(
+        "'{}' shows no board of {} x {} squares, and this picture fixes the platform's plane; check "
+        "--squares, and that the board is sharp, evenly lit and wholly in the picture",
+        plane.name, board.columns, board.rows));
   for (const CalibrationPicture& picture : pictures) {
     if (picture.picture.width() != views.size.width || picture.picture.height() != views.size.height)
-      throw InputError(in_quotes(picture.name) + " has " + std::to_string(picture.picture.width()) + " x " +
-                       std::to_string(picture.picture.height()) + " pixels, but " + in_quotes(plane.name) +
-                       " has " + std::to_string(views.size.width) + " x " +
-                       std::to_string(views.size.height) + "; all must be of one camera with one setting");
-    BoardView view = find_board(board, picture.picture);
-    if (view.seen.empty())
-      left_out.push_back(in_quotes(picture.name) + ": no board found in it");
-    else
-      add(views, picture, std::move(view));
+      throw InputError(fmt::format(
+          "'{}' has {} x {} pixels, but '{}' has {} x {}; all must be of one camera with one setting",
+          picture.name, picture.picture.width(), picture.picture.height(), plane.name, views.size.width,
+          views.size.height));
+    if (!add(picture)) left_out.push_back(fmt::format("'{}': no board found in it", picture.name));
   }
-  if (views.seen.size() < kFewestPictures + 1) {
-    std::string text = "the board was found in " + std::to_string(views.seen.size() - 1) +
-                       " pictures besides the platform's, but at least " + std::to_string(kFewestPictures) +
-                       " are needed, and 10 to 20 are good";
-    if (!left_out.empty()) text += "; left out: " + left_out.front();
-    if (left_out.size() > 1) text += " and " + std::to_string(left_out.size() - 1) + " more";
-    throw InputError(text + "; check --squares, and that the board is sharp and wholly in every picture");
-  }
+  if (views.seen.size() < kFewestPictures + 1)
+    throw InputError(
+        fmt::format("the board was found in {} pictures besides the platform's, but at least {} are needed, "
+                    "and 10 to 20 are "
+                    "good{}; check --squares, and that the board is sharp and wholly in every picture",
+                    views.seen.size() - 1, kFewestPictures,
+                    left_out.empty() ? "" : "; left out: " + fmt::format("{}", fmt::join(left_out, ", "))));
   return views;
 }
 
 }  // namespace
+
+void CalibrationBoard::validate() const {
+  if (columns < 3 || rows < 3) throw std::invalid_argument("the board must have at least 3 x 3 squares");
+  if (!(square_mm > 0)) throw std::invalid_argument("square_mm must be greater than 0");
+  if (!(square_relative_sd >= 0)) throw std::invalid_argument("the squares' sd must not be negative");
+}
 
 CalibrationResult calibrate_camera(const CalibrationBoard& board, const CalibrationPicture& plane,
                                    const std::vector<CalibrationPicture>& pictures) {
@@ -355,53 +305,33 @@ CalibrationResult calibrate_camera(const CalibrationBoard& board, const Calibrat
   CalibrationResult result;
   const Views views = find_views(board, plane, pictures, result.left_out);
 
-  const std::vector<Model> candidates = models();
-  const Model* best = nullptr;
-  Solution solution;
-  for (const Model& model : candidates) {
+  Solution best;
+  for (const Model& model : kModels) {
     Solution s = solve(views, model);
-    if (&model == &candidates.front()) require_several_directions(s);
-    result.tried.push_back(fmt::format("{}: rms {:.4f} px, criterion {:.1f}", model.name,
-                                       std::sqrt(s.rss / static_cast<double>(views.corners())), s.criterion));
-    if (std::isfinite(s.criterion) && (!best || s.criterion < solution.criterion)) {
-      best = &model;
-      solution = std::move(s);
-    }
+    if (&model == kModels) require_several_directions(s);
+    result.tried.push_back(
+        fmt::format("{}: rms {:.4f} px, criterion {:.1f}", model.name, s.rms, s.criterion));
+    if (!std::isfinite(s.criterion) || (!result.model.empty() && s.criterion >= best.criterion)) continue;
+    result.model = model.name;
+    best = std::move(s);
   }
-  if (!best)
+  if (result.model.empty())
     throw InputError("no camera explains the pictures of the board; check --squares and --square-mm");
-
-  result.model = best->name;
-  result.rms_px = std::sqrt(solution.rss / static_cast<double>(views.corners()));
-  result.pictures = table_of(views, solution);
-  result.covariance_of = names_of(*best);
-  result.covariance = covariance_of(views, solution, *best);
-  const double focal = solution.camera.at<double>(0, 0);
-  const double focal_sd = std::sqrt(std::max(0.0, result.covariance(0, 0)));
+  const double focal = best.camera.at<double>(0, 0), focal_sd = best.lens_sd.at<double>(0);
   if (!(focal > 0) || !(focal_sd < kWorstFocal * focal))
     throw InputError(fmt::format(
         "the focal length comes out as {:.0f} +- {:.0f} px, which means nothing; take more pictures with "
         "the board tilted by 15 to 45 degrees, in different directions",
         focal, focal_sd));
 
-  const Eigen::VectorXd p = parameters_of(solution, *best);
-  const double aspect = solution.camera.at<double>(1, 1) / focal;
+  result.rms_px = best.rms;
+  result.focal_sd_px = focal_sd;
+  for (std::size_t v = 0; v < views.seen.size(); ++v)
+    result.pictures.push_back({views.names[v], static_cast<int>(views.on_board.size()), best.rms_of_views[v],
+                               std::acos(std::min(1.0, std::abs(matrix_of(best.rotations[v])(2, 2))))});
   CameraCalibration& c = result.calibration;
-  c = calibration_from(p, *best, aspect, views.size);
-  c.mm_per_px = scale_in_the_middle(c);
-  // Its slope along every parameter, by central differences of a thousandth of that one's sd.
-  Eigen::VectorXd slope(p.size());
-  for (Eigen::Index i = 0; i < p.size(); ++i) {
-    const double step = std::max(1e-12, 1e-2 * std::sqrt(std::max(0.0, result.covariance(i, i))));
-    Eigen::VectorXd up = p, down = p;
-    up(i) += step;
-    down(i) -= step;
-    slope(i) = (scale_in_the_middle(calibration_from(up, *best, aspect, views.size)) -
-                scale_in_the_middle(calibration_from(down, *best, aspect, views.size))) /
-               (2 * step);
-  }
-  c.mm_per_px_sd = std::hypot(std::sqrt(std::max(0.0, slope.dot(result.covariance * slope))),
-                              board.square_relative_sd * c.mm_per_px);
+  c = calibration_from(best, best.rotations[0], best.translations[0], views.size);
+  c.mm_per_px_sd = std::hypot(scale_sd(views, best), board.square_relative_sd * c.mm_per_px);
   c.plane = turned_to_picture(c);
   return result;
 }

@@ -1,5 +1,3 @@
-#include <fmt/core.h>
-
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
@@ -88,8 +86,6 @@ PooledScale pooled_scale(std::span<const Scale> scales, double common_relative_s
 
 namespace {
 
-constexpr double kNegligible = 0.1;  ///< of the tracking's sd
-
 PlanePoint scaled(const Scale& scale, Point pixel) {
   PlanePoint out;
   out.mm = {scale.mm_per_px * pixel.x, -scale.mm_per_px * pixel.y};
@@ -99,46 +95,6 @@ PlanePoint scaled(const Scale& scale, Point pixel) {
 
 Scale times(const Scale& scale, double factor) {
   return {scale.mm_per_px * factor, scale.sd * factor, scale.source};
-}
-
-/// All pixels at which the track has the part, or the marker.
-std::vector<Point> path(const Track& track, bool of_marker) {
-  std::vector<Point> out;
-  for (const TrackPoint& p : track.points) {
-    if (p.status != TrackStatus::ok || (of_marker && !p.marker)) continue;
-    out.push_back(of_marker ? Point{p.marker->x, p.marker->y} : Point{p.x, p.y});
-  }
-  return out;
-}
-
-/// The farthest two points lie apart from the first, px.
-double excursion(const std::vector<Point>& path) {
-  double far = 0;
-  for (const Point& p : path) far = std::max(far, std::hypot(p.x - path[0].x, p.y - path[0].y));
-  return far;
-}
-
-/// Largest distance, px, by which `map` differs along the path from the plain scale.
-template <class Map>
-double departure(const std::vector<Point>& path, double mm_per_px, Map map) {
-  if (path.empty()) return 0;
-  const Eigen::Vector2d first = map(path[0]).mm;
-  double worst = 0;
-  for (const Point& p : path) {
-    const Eigen::Vector2d plain(mm_per_px * (p.x - path[0].x), -mm_per_px * (p.y - path[0].y));
-    worst = std::max(worst, (map(p).mm - first - plain).norm() / mm_per_px);
-  }
-  return worst;
-}
-
-PlanStage stage(const char* name, double correction_px, double sd_px, const std::string& what) {
-  const bool on = correction_px > kNegligible * sd_px;
-  return {
-      .name = name,
-      .on = on,
-      .reason = fmt::format("{} moves a point by up to {:.2g} px, a tenth of the tracking's sd is {:.2g} px",
-                            what, correction_px, kNegligible * sd_px),
-      .error_bound_px = correction_px};
 }
 
 /// px^2
@@ -153,11 +109,10 @@ Eigen::Matrix2d covariance_of(const MarkerPoint& marker) {
 }  // namespace
 
 PlaneGeometry::PlaneGeometry(const Scale& scale, ScalePlane plane, const std::optional<Parallax>& parallax)
-    : part_(scale), marker_(scale), known_(plane) {
+    : part_(scale), marker_(scale) {
   if (!parallax) return;
   if (!(parallax->height_mm >= 0 && parallax->height_mm < parallax->distance_mm))
     throw std::invalid_argument("height_mm must not be negative and be less than working_distance_mm");
-  height_mm_ = parallax->height_mm;
   const double nearer = 1 - parallax->height_mm / parallax->distance_mm;
   if (plane == ScalePlane::part_top)
     marker_ = times(scale, 1 / nearer);
@@ -179,34 +134,6 @@ PlanePoint PlaneGeometry::part(Point pixel) const {
 
 PlanePoint PlaneGeometry::marker(Point pixel) const {
   return calibration_ ? calibration_->locate(pixel, 0) : scaled(marker_, pixel);
-}
-
-PlaneGeometry PlaneGeometry::as_needed(const Track& track, double tracking_sd_px,
-                                       std::vector<PlanStage>& plan) const {
-  PlaneGeometry needed = *this;
-  const std::vector<Point> part_path = path(track, false);
-  const std::vector<Point> marker_path = path(track, true);
-  if (calibration_) {
-    const double lens =
-        std::max(departure(part_path, part_.mm_per_px, [&](Point p) { return part(p); }),
-                 departure(marker_path, marker_.mm_per_px, [&](Point p) { return marker(p); }));
-    plan.push_back(stage("lens and tilt", lens, tracking_sd_px, "the calibrated camera"));
-    if (!plan.back().on) needed.calibration_.reset();
-  }
-  if (part_.mm_per_px != marker_.mm_per_px) {
-    const double share = std::abs(marker_.mm_per_px / part_.mm_per_px - 1);
-    const std::string what = fmt::format(
-        "the part's top, {:.3g} mm above the marker's plane: {:.2g} % in scale,", height_mm_, 100 * share);
-    // The scale that is known stays; what the other one is for moves.
-    const bool from_top = known_ == ScalePlane::part_top;
-    plan.push_back(
-        stage("parallax", share * excursion(from_top ? marker_path : part_path), tracking_sd_px, what));
-    if (!plan.back().on) {
-      needed.height_mm_ = 0;
-      (from_top ? needed.marker_ : needed.part_) = from_top ? part_ : marker_;
-    }
-  }
-  return needed;
 }
 
 std::vector<std::optional<PlacedPoint>> place_track(const Track& track, const PlaneGeometry& geometry,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,31 +35,17 @@ bool equal(const Picture& a, const Picture& b) {
 /// By how much two pictures differ: the mean of the differences in that block of 16 x 16 px where it is
 /// largest. An edge that moves by s px changes it by s/16 of its contrast; a coder hardly does.
 float step_of(const Picture& a, const Picture& b) {
-  constexpr int kBlock = 16, kRowStep = 2;
-  using Columns = std::array<float, kBlock>;  // summed side by side, in the processor's vectors
-  std::vector<Columns> sums((static_cast<std::size_t>(a.width()) + kBlock - 1) / kBlock);
-  float largest = 0;
-  for (int top = 0; top < a.height(); top += kBlock) {
-    std::ranges::fill(sums, Columns{});
-    const int bottom = std::min(top + kBlock, a.height());
-    for (int y = top; y < bottom; y += kRowStep) {
-      const float* row_a = a.row(y).data();
-      const float* row_b = b.row(y).data();
-      const int whole = a.width() / kBlock;
-      for (int block = 0; block < whole; ++block, row_a += kBlock, row_b += kBlock) {
-        Columns& sum = sums[static_cast<std::size_t>(block)];
-        for (int x = 0; x < kBlock; ++x) sum[x] += std::abs(row_a[x] - row_b[x]);
-      }
-      for (int x = 0; x < a.width() % kBlock; ++x) sums.back()[x] += std::abs(row_a[x] - row_b[x]);
-    }
-    const int rows = (bottom - top + kRowStep - 1) / kRowStep;
-    for (std::size_t block = 0; block < sums.size(); ++block) {
-      const int columns = std::min(kBlock, a.width() - static_cast<int>(block) * kBlock);
-      const float sum = std::accumulate(sums[block].begin(), sums[block].end(), 0.0F);
-      largest = std::max(largest, sum / static_cast<float>(rows * columns));
-    }
-  }
-  return largest;
+  constexpr int kBlock = 16;
+  const auto levels = [](const Picture& p) {
+    return cv::Mat(p.height(), p.width(), CV_32F, const_cast<float*>(p.levels().data()));
+  };
+  cv::Mat off, blocks;
+  cv::absdiff(levels(a), levels(b), off);
+  cv::resize(off, blocks, {std::max(1, a.width() / kBlock), std::max(1, a.height() / kBlock)}, 0, 0,
+             cv::INTER_AREA);
+  double largest = 0;
+  cv::minMaxLoc(blocks, nullptr, &largest);
+  return static_cast<float>(largest);
 }
 
 /// Where something moves, by T a frame, rows that were filmed half a frame later differ by T/2 from the rows

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <opencv2/imgproc.hpp>
 
 #include "vision/kernels/median.h"
 #include "vision/kernels/vector_kernels.h"
@@ -128,24 +129,6 @@ namespace {
 constexpr double kNoises = 8;  ///< 1e6 pixels of Gaussian noise never stand out so far
 constexpr float kSpreads = 2;
 
-/// By how much the levels of a row exceed all their four neighbours but one (negative: fall short of all but
-/// one), its two ends left out. Whether any is further off than `least`.
-TRIBOTRACK_CLONES bool stand_out(const float* above, const float* here, const float* below, std::size_t width,
-                                 float least, float* steps) {
-  const auto low = [](float a, float b) { return a < b ? a : b; };
-  const auto high = [](float a, float b) { return a < b ? b : a; };
-  int any = 0;
-  for (std::size_t x = 1; x + 1 < width; ++x) {
-    const float a = above[x], b = below[x], c = here[x - 1], d = here[x + 1];
-    const float second_highest = high(low(high(a, b), high(c, d)), high(low(a, b), low(c, d)));
-    const float second_lowest = low(high(low(a, b), low(c, d)), low(high(a, b), high(c, d)));
-    const float step = high(here[x] - second_highest, 0.0F) + low(here[x] - second_lowest, 0.0F);
-    steps[x] = step;
-    any |= (step > least) | (step < -least);
-  }
-  return any != 0;
-}
-
 /// The eight neighbours, in order of their levels; fewer at the picture's edge.
 struct Neighbours {
   std::array<float, 8> levels{};
@@ -168,18 +151,17 @@ int side_of(const Picture& picture, Pixel p, float least) {
   return here > around.high() + step ? 1 : here < around.low() - step ? -1 : 0;
 }
 
-/// A first look along the rows of one picture.
+/// A first look: what is that far from the median of the nine about it.
 std::vector<Pixel> candidates(const Picture& picture, float least) {
+  const cv::Mat levels(picture.height(), picture.width(), CV_32F,
+                       const_cast<float*>(picture.levels().data()));
+  cv::Mat usual, off;
+  cv::medianBlur(levels, usual, 3);
+  cv::absdiff(levels, usual, off);
   std::vector<Pixel> found;
-  const auto width = static_cast<std::size_t>(picture.width());
-  std::vector<float> steps(width);
-  for (int y = 1; y + 1 < picture.height(); ++y) {
-    if (!stand_out(picture.row(y - 1).data(), picture.row(y).data(), picture.row(y + 1).data(), width, least,
-                   steps.data()))
-      continue;
-    for (std::size_t x = 1; x + 1 < width; ++x)
-      if (std::abs(steps[x]) > least) found.push_back({static_cast<int>(x), y});
-  }
+  for (int y = 1; y + 1 < picture.height(); ++y)
+    for (int x = 1; x + 1 < picture.width(); ++x)
+      if (off.at<float>(y, x) > least) found.push_back({x, y});
   return found;
 }
 

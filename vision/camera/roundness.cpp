@@ -8,19 +8,14 @@
 #include <numbers>
 #include <vector>
 
+#include "vision/discs/rim_steps.h"
+
 namespace tribotrack::vision {
 namespace {
 
 constexpr double kInner = 0.6, kOuter = 1.5;  ///< of the radius: where the rim is looked for
 constexpr double kHalfStep = 1.5;             ///< px: on both sides of an edge
 constexpr int kRays = 72;
-
-double level_at(const Picture& picture, double x, double y) {
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const double fx = x - x0, fy = y - y0;
-  return (1 - fy) * ((1 - fx) * picture.at(x0, y0) + fx * picture.at(x0 + 1, y0)) +
-         fy * ((1 - fx) * picture.at(x0, y0 + 1) + fx * picture.at(x0 + 1, y0 + 1));
-}
 
 /// Place of the steepest edge that goes down outwards (sign 1) or up (-1), with how much it does.
 std::pair<double, double> edge_along(const Picture& picture, const Circle& disc, const Point& to,

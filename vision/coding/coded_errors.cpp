@@ -2,13 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 
-#include "vision/audit/mean_square.h"
 #include "vision/coding_forecast.h"
 #include "vision/kernels/median.h"
 
@@ -46,10 +44,10 @@ Added added_in(const CodedTrack& coded, const WatchedFrame& f, const TrackPoint&
           play_variance(f.part.still.y, f.part.moving.y, zone * coded.part_unnoticed.y)};
 }
 
-void widen(TrackPoint& p, double factor, const Added& add) {
-  const double covariance = factor * p.rho_xy * p.sigma_x * p.sigma_y;
-  p.sigma_x = std::sqrt(factor * square(p.sigma_x) + add.x);
-  p.sigma_y = std::sqrt(factor * square(p.sigma_y) + add.y);
+void widen(TrackPoint& p, const Added& add) {
+  const double covariance = p.rho_xy * p.sigma_x * p.sigma_y;
+  p.sigma_x = std::sqrt(square(p.sigma_x) + add.x);
+  p.sigma_y = std::sqrt(square(p.sigma_y) + add.y);
   p.rho_xy = covariance / (p.sigma_x * p.sigma_y);
 }
 
@@ -73,36 +71,6 @@ void widen_first(Track& track) {
       if (is_ok(p)) sigmas.push_back(p.*sigma);
     (*first).*sigma = std::max((*first).*sigma, median(sigmas));
   }
-}
-
-/// Mean squares of the halves' disagreement by the type of their frames, about each split's mean over all.
-std::map<char, MeanSquare> halves_by_type(const CodedTrack& coded,
-                                          const std::map<std::int64_t, char>& types) {
-  using Split = Eigen::Vector2d HalvesError::*;
-  struct Sum {
-    double square = 0, count = 0;
-  };
-  std::map<char, Sum> sums;
-  const auto n = static_cast<double>(coded.audited.size());
-  for (const Split split : {&HalvesError::left_right, &HalvesError::top_bottom, &HalvesError::checkerboard}) {
-    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-    for (const AuditFrame& f : coded.audited) mean += f.error.*split / n;
-    for (const AuditFrame& f : coded.audited) {
-      const auto type = types.find(f.index);
-      if (type == types.end()) continue;
-      Sum& sum = sums[type->second];
-      sum.square += f.covariance.llt().matrixL().solve(f.error.*split - mean).squaredNorm();
-      sum.count += 2;
-    }
-  }
-  std::map<char, MeanSquare> out;
-  constexpr double kAlike = 3;  // the three splits of a frame look at the same pixels
-  for (const auto& [type, sum] : sums)
-    if (sum.count > 0) {
-      const double value = sum.square / sum.count;
-      out[type] = {value, value * std::sqrt(2 * kAlike / sum.count)};
-    }
-  return out;
 }
 
 /// s over which the direction of motion stays: half the integral of its autocorrelation, both ways.
@@ -206,18 +174,7 @@ double displacement_differs(const Track& track, const Track& other) {
   return std::abs(share) > 2 * scatter ? share : 0;
 }
 
-double error_of_difference(const Track& track, const Track& other) {
-  const Point middle = mean_position(track);
-  double squares = 0, count = 0;
-  for (const TrackPoint& p : track.points)
-    if (p.status == TrackStatus::ok) squares += square(p.x - middle.x) + square(p.y - middle.y), count += 2;
-  return std::abs(displacement_differs(track, other)) * std::sqrt(squares / std::max(1.0, count));
-}
-
 void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summary) {
-  std::map<std::int64_t, char> types;
-  for (const WatchedFrame& f : coded.frames) types[f.index] = f.part.type;
-  const std::map<char, MeanSquare> halves = halves_by_type(coded, types);
   const double white = summary.audit.white_factor;
   if (!summary.layered) widen_first(track);
   const Point middle = mean_position(track);
@@ -226,15 +183,13 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
     const auto place = static_cast<std::size_t>(f.index - coded.first_index);
     if (place >= track.points.size() || track.points[place].status != TrackStatus::ok) continue;
     TrackPoint& p = track.points[place];
-    const auto own = halves.find(f.part.type);
-    const double factor = own == halves.end() ? 1 : std::max(1.0, supported(own->second) / white);
     Added added = added_in(coded, f, p, white);
     p.coding_x = added.x;
     p.coding_y = added.y;
     added.x += square(coded.passes_differ * (p.x - middle.x));
     added.y += square(coded.passes_differ * (p.y - middle.y));
     means.add(coded, f, added);
-    widen(p, factor, added);
+    widen(p, added);
     p.frame_type = f.part.type;
   }
   CodedErrors found = means.errors();

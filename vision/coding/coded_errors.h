@@ -23,7 +23,6 @@
 
 #include <vector>
 
-#include "vision/audit/halves.h"
 #include "vision/coding/rim_coding.h"
 #include "vision/picture.h"
 #include "vision/track.h"
@@ -37,19 +36,14 @@ struct CodedTrack {
   std::int64_t first_index = 0;  ///< in the source, of the track's first point
   Point part_unnoticed = {};     ///< unnoticed_motion() of the part, px for a dead zone of one grey level
   Point mark_unnoticed = {};     ///< of the mark
-  std::vector<AuditFrame> audited = {};  ///< frames whose halves were compared
-  double passes_differ = 0;              ///< a
+  double passes_differ = 0;      ///< a
 };
 
 /// Share of a displacement by which `other` sees it larger than `track`, as far as it is beyond two standard
 /// deviations; 0 else. Over the points that are ok in both.
 double displacement_differs(const Track& track, const Track& other);
 
-/// What that makes of the track's own displacement, px rms of a coordinate.
-double error_of_difference(const Track& track, const Track& other);
-
-/// Widens the covariances of ok points, also by what the halves of frames of one type tell; fills what is
-/// known of the coding.
+/// Widens the covariances of ok points; fills what is known of the coding.
 void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summary);
 
 /// One sentence for a person.

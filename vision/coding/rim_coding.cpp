@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <opencv2/core.hpp>
 
 namespace tribotrack::vision {
 namespace {
@@ -78,29 +79,11 @@ namespace {
 
 constexpr int kBlock = 8;
 using Block = std::array<double, kBlock * kBlock>;
-using Basis = std::array<std::array<double, kBlock>, kBlock>;
-
-Basis cosines() {
-  Basis basis{};
-  for (int k = 0; k < kBlock; ++k)
-    for (int n = 0; n < kBlock; ++n)
-      basis[static_cast<std::size_t>(k)][static_cast<std::size_t>(n)] =
-          std::sqrt((k == 0 ? 1.0 : 2.0) / kBlock) * std::cos(std::numbers::pi * k * (n + 0.5) / kBlock);
-  return basis;
-}
-
 /// The largest coefficient of an orthonormal DCT.
-double largest_coefficient(const Block& block) {
-  static const Basis basis = cosines();
-  double largest = 0;
-  for (const auto& down : basis)
-    for (const auto& across : basis) {
-      double sum = 0;
-      for (std::size_t j = 0; j < kBlock; ++j)
-        for (std::size_t i = 0; i < kBlock; ++i) sum += down[j] * across[i] * block[j * kBlock + i];
-      largest = std::max(largest, std::abs(sum));
-    }
-  return largest;
+double largest_coefficient(Block block) {
+  cv::Mat levels(kBlock, kBlock, CV_64F, block.data());
+  cv::dct(levels, levels);
+  return cv::norm(levels, cv::NORM_INF);
 }
 
 struct Mean {

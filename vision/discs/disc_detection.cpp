@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "vision/discs/rim_fit.h"
 #include "vision/discs/rim_steps.h"
@@ -57,22 +56,23 @@ double scatter_of_sum(const std::vector<double>& pull) {
 }
 
 /// Nothing where the fit has walked away from the guess or the rim does not support it.
-std::optional<DiscFit> judged(const Picture& picture, RimFit fit, const Circle& guess, double capture) {
+std::optional<DiscFit> judged(const Picture& picture, const RimFit& fit, const Circle& guess,
+                              double capture) {
   const RimParameters& p = fit.p;
   DiscFit result;
   result.circle = {p(0), p(1), p(2)};
   const double limit = fit_reach(capture);
   if (std::hypot(p(0) - guess.x, p(1) - guess.y) > limit || std::abs(p(2) - guess.radius) > limit)
     return std::nullopt;
-  std::ranges::copy(p, result.rim.begin());
   result.blur = p(3);
   // Means along the rim.
-  result.contrast =
-      p(kRimInside) + 0.5 * (p(kRimInside + 3) + p(kRimInside + 5)) - p(kRimOutside) - p(kRimOutside + 3);
-  result.unevenness = p.segment<3>(kRimInside + 3).norm() / std::max(1e-9, std::abs(result.contrast));
-  result.sector_pull = std::move(fit.sector_pull);
-  result.white_radius_sd = std::sqrt(std::max(0.0, fit.covariance(2, 2)));
-  result.radius_sd = mean_radius({&result, 1}).sd;
+  result.outside = p(kRimOutside) + p(kRimOutside + 3);
+  result.contrast = p(kRimInside) + 0.5 * (p(kRimInside + 3) + p(kRimInside + 5)) - result.outside;
+  result.common_sd =
+      kUnevenBias * p.segment<3>(kRimInside + 3).norm() / std::max(1e-9, std::abs(result.contrast));
+  const double scatter = fit.sector_pull.empty() ? 0 : scatter_of_sum(fit.sector_pull);
+  result.radius_sd =
+      std::sqrt(std::max({0.0, fit.covariance(2, 2), scatter}) + result.common_sd * result.common_sd);
   result.centre_sd = std::sqrt(std::max(0.0, 0.5 * (fit.covariance(0, 0) + fit.covariance(1, 1))));
   result.residual_rms = fit.residual_rms;
   const double half = std::min(std::max(1.5, 2 * p(3)), 0.5 * p(2));
@@ -100,27 +100,7 @@ double fit_reach(double capture) {
   return std::max(2.0, 1.5 * capture);
 }
 
-MeanRadius mean_radius(std::span<const DiscFit> fits) {
-  MeanRadius mean;
-  const auto count = static_cast<double>(fits.size());
-  std::vector<double> pull(kSectors, 0);
-  double white = 0;
-  bool sectors = true;
-  for (const DiscFit& fit : fits) {
-    mean.radius += fit.circle.radius / count;
-    white += std::pow(fit.white_radius_sd / count, 2);
-    mean.common_sd += kUnevenBias * fit.unevenness / count;
-    sectors = sectors && fit.sector_pull.size() == kSectors;
-  }
-  mean.sd = std::hypot(std::sqrt(white), mean.common_sd);
-  if (!sectors) return mean;
-  for (const DiscFit& fit : fits)
-    for (std::size_t k = 0; k < kSectors; ++k) pull[k] += fit.sector_pull[k] / count;
-  mean.sd = std::hypot(std::sqrt(std::max(white, scatter_of_sum(pull))), mean.common_sd);
-  return mean;
-}
-
-std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, double capture) {
+std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, double capture, RimUse use) {
   const Directions around = rim_directions(guess.radius);
   // Which way round: the median step over the captured radii that is largest in size.
   double strongest = 0;
@@ -149,27 +129,12 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
   for (int round = 0; round < 2; ++round) {
     auto pixels = rim_pixels(picture, {p(0), p(1), p(2)}, band);
     if (pixels.x.size() < kFewestPixels) return std::nullopt;
-    fit = fit_rim(pixels, p, round == 1 && rim_curves(p, RimUse::place));
+    fit = fit_rim(pixels, p, round == 1 && rim_curves(p, use));
     p = fit.p;
     if (!p.allFinite() || walked_away(p, guess, capture)) return std::nullopt;
-    band = rim_band(p, rim_curves(p, RimUse::place));
+    band = rim_band(p, rim_curves(p, use));
   }
-  return judged(picture, std::move(fit), guess, capture);
-}
-
-std::optional<DiscFit> refit_disc(const Picture& picture, const DiscFit& before, Point centre,
-                                  double capture) {
-  RimParameters p = Eigen::Map<const RimParameters>(before.rim.data());
-  p.head<2>() << centre.x, centre.y;
-  const Circle guess{centre.x, centre.y, p(2)};
-  const bool curved = rim_curves(p, RimUse::mean_radius);
-  auto pixels = rim_pixels(picture, guess, rim_band(p, curved));
-  if (pixels.x.size() < kFewestPixels) return std::nullopt;
-  // So near, Gauss and Newton's steps leave far less than they are long.
-  RimFit fit =
-      fit_rim(pixels, p, curved, {.damping = 1e-6, .on_the_way = 2e-2, .tolerance = 1e-3, .from_near = true});
-  if (!fit.p.allFinite()) return std::nullopt;
-  return judged(picture, std::move(fit), guess, capture);
+  return judged(picture, fit, guess, capture);
 }
 
 namespace {

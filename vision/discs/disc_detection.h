@@ -10,7 +10,6 @@
 // px).
 #pragma once
 
-#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -21,41 +20,27 @@ namespace tribotrack::vision {
 
 struct DiscFit {
   Circle circle;
-  double radius_sd = 0;  ///< px; from the scatter along the rim where there are sectors, see mean_radius
+  /// Px; from how differently sectors of the rim pull at it, and never less than that of the noise alone.
+  double radius_sd = 0;
   double centre_sd = 0;  ///< px, per axis
   double blur = 0;       ///< s, px
   double contrast = 0;   ///< level inside minus outside
   double coverage = 0;   ///< share of the rim at which the edge is seen, 0 .. 1
   double residual_rms = 0;
-  double score = 0;  ///< for comparing candidates
-  /// What the residuals in each sector of the rim (about 5 px long) pulled the radius by, px.
-  std::vector<double> sector_pull;
-  double unevenness = 0;         ///< second order of the level across the disc over the contrast: a highlight
-  double white_radius_sd = 0;    ///< px, were all residuals independent of each other
-  std::array<double, 14> rim{};  ///< all that was fitted, RimParameters: where refit_disc starts from
-};
-
-/// Of one disc seen in several frames.
-struct MeanRadius {
-  double radius = 0, sd = 0;  ///< px
-  /// Part of sd, px: what an uneven level inside (a highlight) does to the radius in all recordings alike.
+  double score = 0;    ///< for comparing candidates
+  double outside = 0;  ///< mean level beyond the rim
+  /// Part of radius_sd, px: what an uneven level inside (a highlight) does to the radius in all pictures
+  /// alike.
   double common_sd = 0;
 };
 
-/// The mean radius. Its sd comes from how differently the sectors of the rim pull at it, each sector's pull
-/// averaged over the frames: noise averages out, what belongs to the disc (a scratch across its rim) does not
-/// and stays in the sd, which is never less than that of the noise alone. Where the level inside is uneven
-/// the sd holds what the rim's model leaves of it as well. `fits` must not be empty.
-MeanRadius mean_radius(std::span<const DiscFit> fits);
+/// What a fit is for: the place of a disc in one picture, or the radius in the mean of many.
+enum class RimUse { place, mean_radius };
 
 /// Measures the disc near `guess`, up to `capture` px wrong in centre and radius. nullopt where the rim does
 /// not support a circle there (coverage below one half, or the fit walks away).
-std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, double capture);
-
-/// The same disc in another frame, from what was fitted before, for the mean of its radius: no search,
-/// `centre` must be known to a fraction of the blur.
-std::optional<DiscFit> refit_disc(const Picture& picture, const DiscFit& before, Point centre,
-                                  double capture);
+std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, double capture,
+                                RimUse use = RimUse::place);
 
 /// px that centre and radius may lie from the guess of a fit with that capture.
 double fit_reach(double capture);

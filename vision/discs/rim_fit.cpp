@@ -7,9 +7,6 @@
 #include <numbers>
 #include <utility>
 
-#include "vision/discs/mean_radius.h"
-#include "vision/discs/rim_model.h"
-#include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
@@ -21,21 +18,72 @@ constexpr double kCurvedRadius = 12;     ///< px; smaller discs have too few pix
 constexpr double kCurvedMeanRadius = 7;  ///< px; likewise for the mean radius
 constexpr double kSectorRadius = 5;      ///< px; smaller rims have too few pixels for sectors
 constexpr int kRounds = 4;               ///< of weights, the first all alike
-constexpr int kRoundsFromNear = 2;       ///< where the start already yields the weights
-constexpr int kSteps = 25;               ///< for given weights, at most
-constexpr double kTukey = 6;             ///< sd: what is further off does not count
+constexpr double kOnTheWay = 1e-3, kTolerance = 1e-5;  ///< px: the last step of a round, of the last one
+constexpr int kSteps = 25;                             ///< for given weights, at most
+constexpr double kTukey = 6;                           ///< sd: what is further off does not count
 
-/// Normal matrix, gradient and cost; what small discs do not have is held.
+/// The model at a pixel and, if wanted, its slopes.
+double rim_model(const RimParameters& p, double x, double y, RimParameters* slope) {
+  const double radius = p(2), s = p(3), dx = x - p(0), dy = y - p(1);
+  const double rho = std::sqrt(std::max(1e-18, dx * dx + dy * dy));
+  const double t = (radius - s * s / (2 * radius) - rho) / s;
+  const double value = 0.5 * std::erfc(-t / std::numbers::sqrt2);
+  const double u = dx / radius, v = dy / radius, uu = u * u, uv = u * v, vv = v * v;
+  const double out = p(10) + p(11) * u + p(12) * v + p(13) * (uu + vv);
+  const double step = p(4) + p(5) * u + p(6) * v + p(7) * uu + p(8) * uv + p(9) * vv - out;
+  if (slope) {
+    const double rise = step * std::exp(-0.5 * t * t) * std::numbers::inv_sqrtpi / std::numbers::sqrt2;
+    const double along = rise / (s * rho), outside = 1 - value;
+    *slope << along * dx, along * dy, rise * (1 / s + s / (2 * radius * radius)),
+        -rise * (t / s + 1 / radius), value, value * u, value * v, value * uu, value * uv, value * vv,
+        outside, outside * u, outside * v, outside * (uu + vv);
+  }
+  return out + step * value;
+}
+
+/// Of r = I - model with its slopes g: sum w g g^T, sum w r g, sum w r^2.
+struct RimSums {
+  RimCovariance normal;
+  RimParameters gradient;
+  double cost = 0;
+};
+
+/// What small discs do not have is held.
 RimSums normal_equations(const RimParameters& p, const RimPixels& pixels, bool curved) {
-  RimSums sums = rim_sums(p, pixels);
+  constexpr int columns = kRimParameters + 1, together = 64;
+  Eigen::Matrix<double, columns, columns> sums = Eigen::Matrix<double, columns, columns>::Zero();
+  Eigen::Matrix<double, columns, together> block;
+  RimParameters slope;
+  int filled = 0;
+  for (std::size_t i = 0; i < pixels.x.size(); ++i) {
+    if (pixels.weight[i] > 0) {
+      const double root = std::sqrt(pixels.weight[i]);
+      const double model = rim_model(p, pixels.x[i], pixels.y[i], &slope);
+      block.col(filled).head<kRimParameters>() = root * slope;
+      block(kRimParameters, filled++) = root * (pixels.level[i] - model);
+    }
+    if (filled < together && i + 1 < pixels.x.size()) continue;
+    sums.selfadjointView<Eigen::Lower>().rankUpdate(block.leftCols(filled));
+    filled = 0;
+  }
+  sums.triangularView<Eigen::StrictlyUpper>() = sums.transpose();
+  RimSums out{sums.topLeftCorner<kRimParameters, kRimParameters>(),
+              sums.col(kRimParameters).head<kRimParameters>(), sums(kRimParameters, kRimParameters)};
   if (!curved)
     for (const int i : kCurved) {
-      sums.normal.row(i).setZero();
-      sums.normal.col(i).setZero();
-      sums.normal(i, i) = 1;
-      sums.gradient(i) = 0;
+      out.normal.row(i).setZero();
+      out.normal.col(i).setZero();
+      out.normal(i, i) = 1;
+      out.gradient(i) = 0;
     }
-  return sums;
+  return out;
+}
+
+std::vector<double> rim_residuals(const RimParameters& p, const RimPixels& pixels) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < pixels.x.size(); ++i)
+    out.push_back(pixels.level[i] - rim_model(p, pixels.x[i], pixels.y[i], nullptr));
+  return out;
 }
 
 /// For given weights, from p, which it changes. Returns the last normal matrix.
@@ -96,11 +144,13 @@ Influence weigh(const std::vector<double>& residuals, RimPixels& pixels) {
 std::vector<double> sector_pull(const RimPixels& pixels, const RimParameters& p,
                                 const RimCovariance& inverse_normal) {
   if (p(2) < kSectorRadius) return {};
-  const std::vector<double> pulls = rim_pulls(p, pixels, inverse_normal.row(2));
   std::vector<double> pull(kSectors, 0);
-  for (std::size_t i = 0; i < pulls.size(); ++i) {
+  RimParameters slope;
+  for (std::size_t i = 0; i < pixels.x.size(); ++i) {
+    const double off = pixels.level[i] - rim_model(p, pixels.x[i], pixels.y[i], &slope);
     const double turn = 0.5 + std::atan2(pixels.y[i] - p(1), pixels.x[i] - p(0)) / (2 * kPi);
-    pull[std::min(static_cast<std::size_t>(turn * kSectors), kSectors - 1)] += pulls[i];
+    pull[std::min(static_cast<std::size_t>(turn * kSectors), kSectors - 1)] +=
+        pixels.weight[i] * off * inverse_normal.row(2).dot(slope);
   }
   return pull;
 }
@@ -150,17 +200,14 @@ double rim_band(const RimParameters& p, bool curved) {
   return curved ? std::max(band, std::min(std::clamp(6.5 * p(3), 5.5, 30.0), 0.35 * p(2))) : band;
 }
 
-RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved, const RimFitOptions& options) {
+RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved) {
   RimFit fit;
   fit.p = start;
-  double damping = options.damping;
+  double damping = 1e-3;
   RimCovariance normal;
   Influence influence;
-  const int rounds = options.from_near ? kRoundsFromNear : kRounds;
-  if (options.from_near) weigh(rim_residuals(fit.p, pixels), pixels);
-  for (int round = 0; round < rounds; ++round) {
-    normal =
-        settle(fit.p, pixels, curved, round + 1 < rounds ? options.on_the_way : options.tolerance, damping);
+  for (int round = 0; round < kRounds; ++round) {
+    normal = settle(fit.p, pixels, curved, round + 1 < kRounds ? kOnTheWay : kTolerance, damping);
     influence = weigh(rim_residuals(fit.p, pixels), pixels);
   }
   fit.residual_rms = std::sqrt(influence.weighted_square / std::max(1.0, influence.weight - kRimParameters));
@@ -173,147 +220,6 @@ RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved, const
   fit.sector_pull = sector_pull(pixels, fit.p, inverse_normal);
   for (double& pull : fit.sector_pull) pull *= gain;
   return fit;
-}
-
-namespace {
-
-constexpr double kMargin = 8;         ///< px around the disc that the rim's fit sees
-constexpr double kCapture = 1;        ///< px; the track is far better
-constexpr double kMinCoverage = 0.8;  ///< share of the rim; what covers more shows in the radius
-/// What of a smear the rim's model, whose blur is the same all round, takes for radius: a smear of 5 blurs.
-constexpr double kSmearSlope = 0.02;
-constexpr double kTransfer = 2.2;  ///< the light's exponent in stored levels, inverted
-
-/// t with Phi(t) = share.
-double normal_quantile(double share) {
-  double low = -6, high = 6;
-  while (high - low > 1e-9) {
-    const double middle = 0.5 * (low + high);
-    (normal_step(middle).value < share ? low : high) = middle;
-  }
-  return low;
-}
-
-/// How far outside its place the middle of an edge is stored, in blurs, were levels stored by kTransfer.
-double stored_shift(const DiscFit& fit, double black) {
-  const RimParameters p = Eigen::Map<const RimParameters>(fit.rim.data());
-  const double out = std::max(0.0, p(kRimOutside) + p(kRimOutside + 3) - black);
-  const double in = std::max(0.0, out + fit.contrast);
-  const auto light = [](double level) { return std::pow(level, kTransfer); };
-  const double share = (light(0.5 * (in + out)) - light(out)) / (light(in) - light(out));
-  return -normal_quantile(share);
-}
-
-struct Estimate {
-  double value = 0, variance = 0;
-};
-
-Estimate combined(const Estimate& a, const Estimate& b) {
-  const double weight = a.variance / (a.variance + b.variance);
-  return {a.value + weight * (b.value - a.value), weight * b.variance};
-}
-
-/// One frame's rim, and how fast the disc was.
-struct Seen {
-  const DiscFit* fit;
-  double speed;
-};
-
-/// Slope of the radius over the blur as far as both go with the square of the speed: what else the blur is
-/// off by, the radius is too, and for other reasons.
-Estimate slope_over_blur(const std::vector<Seen>& frames, double mean_radius, double mean_blur) {
-  const auto count = static_cast<double>(frames.size());
-  double middle = 0, squares = 0, radii = 0, blurs = 0, left = 0;
-  for (const Seen& f : frames) middle += f.speed * f.speed / count;
-  for (const Seen& f : frames) {
-    const double z = f.speed * f.speed - middle;
-    squares += z * z;
-    radii += z * (f.fit->circle.radius - mean_radius);
-    blurs += z * (f.fit->blur - mean_blur);
-  }
-  if (count < 4 || blurs == 0) return {0, 1e9};
-  const double slope = radii / blurs;
-  for (const Seen& f : frames)
-    left += std::pow(f.fit->circle.radius - mean_radius - slope * (f.fit->blur - mean_blur), 2);
-  return {slope, left / (count - 2) * squares / (blurs * blurs)};
-}
-
-/// The radius that the same frames would show at rest, and of levels that are not linear in the light without
-/// blur. From the frames' blur to that of the sharpest the slope is seen; from there to none it is supposed.
-MeanRadius without_blur(MeanRadius mean, const std::vector<Seen>& frames, bool curved_levels, double black) {
-  const auto count = static_cast<double>(frames.size());
-  double blur = 0, shift = 0, scatter = 0, sharpest = 1e9;
-  for (const Seen& f : frames) {
-    blur += f.fit->blur / count;
-    sharpest = std::min(sharpest, f.fit->blur);
-    if (curved_levels) shift += stored_shift(*f.fit, black) / count;
-    scatter += std::pow(f.fit->circle.radius - mean.radius, 2) / count;
-  }
-  const Estimate supposed{0.5 * shift, shift * shift / 12};
-  const Estimate smear = combined({supposed.value, supposed.variance + kSmearSlope * kSmearSlope},
-                                  slope_over_blur(frames, mean.radius, blur));
-  const double common = std::sqrt(supposed.variance) * sharpest;
-  mean.radius -= smear.value * (blur - sharpest) + supposed.value * sharpest;
-  mean.sd = std::hypot(mean.sd, std::sqrt(smear.variance) * (blur - sharpest), common);
-  if (curved_levels) mean.sd = std::hypot(mean.sd, std::sqrt(scatter / count));
-  mean.common_sd = std::hypot(mean.common_sd, common);
-  return mean;
-}
-
-}  // namespace
-
-bool in_sample(std::int64_t n, std::int64_t stride) {
-  return n % stride == 0 || (n < stride && (n & (n - 1)) == 0);
-}
-
-RimWatch::RimWatch(const Circle& disc, std::int64_t stride, std::optional<DiscFit> start)
-    : disc_(disc), stride_(std::max<std::int64_t>(1, stride)), last_(std::move(start)) {}
-
-void RimWatch::see(FrameSource& source, std::int64_t index, Point centre) {
-  if (disc_.radius <= 0) return;
-  const double speed = seen_ > 0 && index > last_index_
-                           ? std::hypot(centre.x - last_centre_.x, centre.y - last_centre_.y) /
-                                 static_cast<double>(index - last_index_)
-                           : 0;
-  last_index_ = index;
-  last_centre_ = centre;
-  if (!in_sample(seen_++, stride_)) return;
-  curved_levels_ = source.info().colour;
-  black_ = source.info().black_level.value_or(0);
-  const double reach = disc_.radius + std::max(kMargin, 0.2 * disc_.radius);
-  const Rect window = window_about(centre, reach, source.bounds());
-  if (window.width < 2 * disc_.radius || window.height < 2 * disc_.radius) return;
-  Picture picture;
-  source.read(index, window, picture);
-  const Point here{centre.x - window.x, centre.y - window.y};
-  std::optional<DiscFit> fit;
-  if (last_) fit = refit_disc(picture, *last_, here, kCapture);
-  if (!fit || fit->coverage < kMinCoverage) {
-    fit = fit_disc(picture, {here.x, here.y, disc_.radius}, kCapture);
-    if (fit) fit = refit_disc(picture, *fit, {fit->circle.x, fit->circle.y}, kCapture);
-  }
-  if (!fit || fit->coverage < kMinCoverage) return;
-  last_ = fit;
-  fits_.push_back(std::move(*fit));
-  speeds_.push_back(speed);
-}
-
-std::optional<MeanRadius> RimWatch::radius() const {
-  if (fits_.size() < 2) return std::nullopt;
-  std::vector<double> radii;
-  for (const DiscFit& fit : fits_) radii.push_back(fit.circle.radius);
-  const double middle = median(radii);
-  for (double& r : radii) r = std::abs(r - middle);
-  const double limit = 5 * kNormalMad * median(radii) + 1e-6;
-  std::vector<DiscFit> kept;
-  std::vector<Seen> seen;
-  for (std::size_t k = 0; k < fits_.size(); ++k) {
-    if (!(std::abs(fits_[k].circle.radius - middle) <= limit)) continue;
-    kept.push_back(fits_[k]);
-    seen.push_back({&fits_[k], speeds_[k]});
-  }
-  const MeanRadius mean = mean_radius(kept);
-  return without_blur(mean, seen, curved_levels_, black_);
 }
 
 }  // namespace tribotrack::vision

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "vision/picture.h"
+#include "vision/discs/disc_detection.h"
 
 namespace tribotrack::vision {
 
@@ -28,9 +28,6 @@ struct RimPixels {
 /// Those within `band` px of the circle, with weight 1.
 RimPixels rim_pixels(const Picture& picture, const Circle& circle, double band);
 
-/// What a fit is for: the place of a disc in one picture, or the mean of its radius over many.
-enum class RimUse { place, mean_radius };
-
 /// Whether the disc is large enough for the curvature of its levels to be fitted. It makes the fit of a small
 /// disc noisier; the mean over many frames bears that, and without curvature would be off in all of them
 /// alike.
@@ -43,18 +40,12 @@ struct RimFit {
   RimParameters p = RimParameters::Zero();
   RimCovariance covariance = RimCovariance::Zero();
   double residual_rms = 0;
-  std::vector<double> sector_pull;  ///< see DiscFit; empty for small discs
+  /// What the residuals in each sector of the rim (about 5 px long) pulled the radius by, px; empty for small
+  /// discs.
+  std::vector<double> sector_pull;
 };
 
-struct RimFitOptions {
-  double damping = 1e-3;     ///< to begin with
-  double on_the_way = 1e-3;  ///< px: a step below it is the last where the weights are to change yet
-  double tolerance = 1e-5;   ///< px: likewise at the end
-  bool from_near = false;    ///< the start is the fit of a frame before: good enough to weigh pixels by
-};
-
-/// Levenberg-Marquardt, first all pixels alike unless the start is near, then with Tukey's weights. Changes
-/// the pixels' weights.
-RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved, const RimFitOptions& options = {});
+/// Levenberg-Marquardt, first all pixels alike, then with Tukey's weights. Changes the pixels' weights.
+RimFit fit_rim(RimPixels& pixels, const RimParameters& start, bool curved);
 
 }  // namespace tribotrack::vision

@@ -7,13 +7,11 @@
 // picture of the part is compared, a highlight or a streak that passes along the rim changes levels, not
 // edges. What it costs against a template of a part that does not change is a factor of 1.5 to 2.
 //
-// What makes a rim look not round - a chamfer's glint, a shadow, a scratch - is in the covariance of
-// fix_of().
+// What makes a rim look not round - a chamfer's glint, a shadow, a scratch - is in the covariance.
 #pragma once
 
 #include <Eigen/Core>
 #include <optional>
-#include <vector>
 
 #include "vision/picture.h"
 
@@ -23,17 +21,15 @@ namespace tribotrack::vision {
 struct RimShape {
   double radius = 0, blur = 0;  ///< px
   double unevenness = 0;        ///< RimSectors::unevenness of the frame that shape was taken from, px
-  /// RimSectors::deviation there: what is not round stays where the lamp stands.
-  std::vector<float> pattern;
-  Point offset;  ///< from the circle through its edges to the part's centre there, px
+  Point offset;                 ///< from the circle through its edges to the part's centre there, px
 };
 
 struct RimSectors {
   Circle circle;
-  /// d_k less the circle, px, and about the inverse of its variance for noise of one grey level; 0 where the
-  /// sector does not show the edge. Sector 0 begins at the direction -x; they follow each other by growing
-  /// angle.
-  std::vector<float> deviation, information;
+  /// Of its centre, px^2: N^-1 (sum i^2 d^2 u u^T) N^-1, i and d the sectors' information and what is left of
+  /// their edges' displacements, u their directions. It holds whatever makes the rim uneven, as long as
+  /// sectors err independently, and is never less than what noise does.
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
   double contrast = 0;      ///< median of |A_k - O_k|
   double coverage = 0;      ///< share of the sectors that show the edge
   double unevenness = 0;    ///< usual size of the deviations, px
@@ -54,18 +50,6 @@ std::optional<RimSectors> measure_rim_sectors(const Picture& picture, const Circ
 /// Whether that is the rim of the same part: its radius, about as round as it was, and an edge of either sign
 /// over most of the way round. Levels do not count: metal that turns under a lamp brightens and darkens.
 bool same_rim(const RimSectors& seen, const RimShape& known);
-
-/// Where the part was in a frame.
-struct RimFix {
-  Point centre;
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2
-};
-
-/// The part's centre by the circle through the edges less the known pattern. Its covariance N^-1 (sum i^2 d^2
-/// u u^T) N^-1, i and d the sectors' information and what is left of their deviations and u their directions,
-/// holds whatever makes the rim uneven, as long as sectors err independently, and is never less than what
-/// noise does. Noise in grey levels^2.
-RimFix fix_of(const RimSectors& seen, const RimShape& known, double noise_variance);
 
 /// Of what was seen in a frame in which the part is known to be there, at `centre`.
 RimShape shape_of(const RimSectors& seen, double blur, const Point& centre);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "vision/frame_source.h"
+#include "vision/io/levels.h"
 
 namespace tribotrack::vision {
 
@@ -23,21 +24,15 @@ struct Stretch {
   float low = 0, high = 255;
   explicit Stretch(const Picture& picture) {
     std::vector<float> levels(picture.levels().begin(), picture.levels().end());
-    if (levels.empty()) return;
-    const auto at = [&](double share) {
-      const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(levels.size() - 1));
-      std::nth_element(levels.begin(), levels.begin() + rank, levels.end());
-      return levels[static_cast<std::size_t>(rank)];
-    };
-    low = at(0.005);
-    high = std::max(at(0.995), low + 1);
+    low = level_of_share(levels, 0.005);
+    high = std::max(level_of_share(levels, 0.995), low + 1);
   }
   cv::Mat operator()(const Picture& picture) const {
-    cv::Mat out(picture.height(), picture.width(), CV_8U);
-    for (int y = 0; y < picture.height(); ++y)
-      for (int x = 0; x < picture.width(); ++x)
-        out.at<unsigned char>(y, x) = static_cast<unsigned char>(
-            std::clamp(255 * (picture.at(x, y) - low) / (high - low), 0.0F, 255.0F));
+    const cv::Mat levels(picture.height(), picture.width(), CV_32F,
+                         const_cast<float*>(picture.levels().data()));
+    const double scale = 255.0 / (high - low);
+    cv::Mat out;
+    levels.convertTo(out, CV_8U, scale, -scale * low);
     return out;
   }
 };

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/io/levels.h"
 #include "vision/io/picture_files.h"
 #include "vision/overlay.h"
 #include "vision/temporary_file.h"
@@ -18,20 +18,14 @@ constexpr int kMostEnlargement = 16;
 constexpr int kMargin = 16;
 constexpr int kLine = 20;  ///< height of a line of text
 constexpr int kHeader = 3 * kLine + 12;
-constexpr int kFooter = 76;
+constexpr int kFooter = kLine + 12;
 const cv::Scalar kPaper(40, 40, 40);  // BGR
 const cv::Scalar kInk(235, 235, 235);
 const cv::Scalar kFaint(120, 120, 120);
-const cv::Scalar kCurve(0, 190, 255);
 constexpr const char* kIndexHeader = "file\tshows\tframe\tlow\thigh\tunit\tpx_per_pixel\n";
 
 void text(cv::Mat& image, const std::string& words, int x, int y, const cv::Scalar& colour = kInk) {
   cv::putText(image, words, {x, y}, cv::FONT_HERSHEY_SIMPLEX, 0.45, colour, 1, cv::LINE_AA);
-}
-
-int width_of(const std::string& words) {
-  int base = 0;
-  return cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, 0.45, 1, &base).width;
 }
 
 struct Range {
@@ -45,12 +39,7 @@ Range range_of(const StagePicture& picture) {
   for (const float level : picture.levels.levels())
     if (std::isfinite(level)) levels.push_back(level);
   if (levels.empty()) return {};
-  const auto at = [&](double share) {
-    const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(levels.size() - 1));
-    std::nth_element(levels.begin(), levels.begin() + rank, levels.end());
-    return static_cast<double>(levels[static_cast<std::size_t>(rank)]);
-  };
-  Range range{at(0.005), at(0.995)};
+  Range range{level_of_share(levels, 0.005), level_of_share(levels, 0.995)};
   if (picture.zero_centred) {
     range.high = std::max({std::abs(range.low), std::abs(range.high), 1.0});
     range.low = -range.high;
@@ -69,34 +58,6 @@ cv::Vec3b colour_of(double level, const Range& range, bool zero_centred, int x, 
   }
   const auto faded = static_cast<unsigned char>(std::lround(255 * (1 - std::abs(2 * share - 1))));
   return share < 0.5 ? cv::Vec3b(255, faded, faded) : cv::Vec3b(faded, faded, 255);
-}
-
-/// The longest of 1, 2, 5, 10, ... px that is not longer than a quarter of the picture.
-int ruler_px(int width) {
-  int length = 1;
-  for (int decade = 1; decade <= 10000; decade *= 10)
-    for (const int step : {1, 2, 5})
-      if (step * decade <= std::max(1, width / 4)) length = step * decade;
-  return length;
-}
-
-void draw_footer(cv::Mat& image, const StagePicture& picture, const Range& range, int enlargement) {
-  const int top = image.rows - kFooter + 12;
-  constexpr int kBar = 300;
-  for (int x = 0; x < kBar; ++x)
-    for (int y = 0; y < 12; ++y)
-      image.at<cv::Vec3b>(top + y, kMargin + x) =
-          colour_of(range.low + (range.high - range.low) * x / (kBar - 1), range, picture.zero_centred, x, y);
-  text(image, fmt::format("{:.4g}", range.low), kMargin, top + 30);
-  const std::string high = fmt::format("{:.4g} {}", range.high, picture.unit);
-  text(image, high, kMargin + kBar - width_of(fmt::format("{:.4g}", range.high)), top + 30);
-  const int ruler = ruler_px(picture.levels.width());
-  const int right = image.cols - kMargin, left = right - ruler * enlargement;
-  cv::line(image, {left, top + 6}, {right, top + 6}, kInk, 2);
-  cv::line(image, {left, top + 1}, {left, top + 11}, kInk, 1);
-  cv::line(image, {right, top + 1}, {right, top + 11}, kInk, 1);
-  const std::string length = fmt::format("{} px", ruler);
-  text(image, length, right - width_of(length), top + 30);
 }
 
 std::string frame_text(const StagePicture& picture) {
@@ -122,59 +83,18 @@ cv::Mat drawn(const StagePicture& picture, const Range& range, int enlargement) 
       image.at<cv::Vec3b>(kHeader + y, kMargin + x) =
           colour_of(level, range, picture.zero_centred, x / 4, y / 4);
     }
-  draw_footer(image, picture, range, enlargement);
-  if (unknown) text(image, "chequered: not known", kMargin, image.rows - 10, kFaint);
+  text(image,
+       fmt::format("{} {:.4g}, {} {:.4g} {}{}", picture.zero_centred ? "blue" : "black", range.low,
+                   picture.zero_centred ? "red" : "white", range.high, picture.unit,
+                   unknown ? "; chequered: not known" : ""),
+       kMargin, image.rows - 10);
   return image;
 }
 
-/// About `count` round steps over a range.
-double round_step(double range, int count) {
-  const double raw = range / count, decade = std::pow(10, std::floor(std::log10(raw)));
-  for (const double step : {1.0, 2.0, 5.0})
-    if (step * decade >= raw) return step * decade;
-  return 10 * decade;
-}
-
-cv::Mat drawn(const StageCurve& curve) {
-  constexpr int kHeight = 480, kLeft = 70, kBottom = 60;
-  cv::Mat image(kHeight, kWidth, CV_8UC3, kPaper);
-  text(image, curve.title, kMargin, kLine);
-  const auto [x0, x1] = std::ranges::minmax(curve.points, {}, &Point::x);
-  const auto rows = std::ranges::minmax(curve.points, {}, &Point::y);
-  const double bottom = rows.min.y, top = rows.max.y > bottom ? rows.max.y : bottom + 1;
-  const double left = x0.x, right = x1.x > x0.x ? x1.x : x0.x + 1;
-  const cv::Rect box(kLeft, 2 * kLine, kWidth - kLeft - kMargin, kHeight - kBottom - 2 * kLine);
-  const auto place = [&](double x, double y) {
-    return cv::Point(static_cast<int>(std::lround(box.x + (x - left) / (right - left) * box.width)),
-                     static_cast<int>(std::lround(box.y + (top - y) / (top - bottom) * box.height)));
-  };
-  const double step_x = round_step(right - left, 8), step_y = round_step(top - bottom, 6);
-  for (double x = std::ceil(left / step_x) * step_x; x <= right; x += step_x) {
-    cv::line(image, place(x, bottom), place(x, top), kFaint, 1);
-    const std::string label = fmt::format("{:g}", x);
-    text(image, label, place(x, bottom).x - width_of(label) / 2, box.y + box.height + 18);
-  }
-  for (double y = std::ceil(bottom / step_y) * step_y; y <= top; y += step_y) {
-    cv::line(image, place(left, y), place(right, y), kFaint, 1);
-    const std::string label = fmt::format("{:.3g}", std::abs(y) < 1e-9 * step_y ? 0 : y);
-    text(image, label, kLeft - 8 - width_of(label), place(left, y).y + 5);
-  }
-  for (std::size_t k = 1; k < curve.points.size(); ++k)
-    cv::line(image, place(curve.points[k - 1].x, curve.points[k - 1].y),
-             place(curve.points[k].x, curve.points[k].y), kCurve, 2, cv::LINE_AA);
-  text(image, fmt::format("x: {};  y: {}", curve.x_label, curve.y_label), kLeft, kHeight - 12);
-  return image;
-}
-
-void write_file(const std::filesystem::path& path, const char* bytes, std::size_t size) {
+template <class Bytes>
+void write_file(const std::filesystem::path& path, const Bytes& bytes) {
   TemporaryFile file(path);
-  std::ofstream out(file.path(), std::ios::binary);
-  out.write(bytes, static_cast<std::streamsize>(size));
-  out.close();
-  if (!out)
-    throw InputError(path.string() +
-                     " cannot be written; make room, or choose another folder for the debug "
-                     "pictures");
+  file.write(bytes);
   file.commit();
 }
 
@@ -187,7 +107,7 @@ DebugFolder::DebugFolder(std::filesystem::path folder) : folder_(std::move(folde
     throw InputError(
         fmt::format("{}: the folder for the debug pictures cannot be created ({}); choose another",
                     folder_.string(), error ? error.message() : "a file of that name exists"));
-  write_file(folder_ / "index.txt", index_.data(), index_.size());
+  write_file(folder_ / "index.txt", std::string_view(index_));
 }
 
 void DebugFolder::show(const StagePicture& picture) {
@@ -198,26 +118,12 @@ void DebugFolder::show(const StagePicture& picture) {
   const Range range = range_of(picture);
   const std::string name =
       picture.frame ? fmt::format("frame{:06d}_{}.png", *picture.frame, picture.name) : picture.name + ".png";
-  write(name, png_of(drawn(picture, range, enlargement)),
-        fmt::format("{}\t{}\t{}\t{:.6g}\t{:.6g}\t{}\t{}\n", name, picture.title,
-                    picture.frame ? fmt::format("{} ({})", *picture.frame, picture.why_frame) : "", range.low,
-                    range.high, picture.unit, enlargement));
-}
-
-void DebugFolder::show(const StageCurve& curve) {
-  if (curve.points.empty()) return;
-  const std::string name = curve.name + ".png";
-  const auto [low, high] = std::ranges::minmax(curve.points, {}, &Point::y);
-  write(name, png_of(drawn(curve)),
-        fmt::format("{}\t{}\t\t{:.6g}\t{:.6g}\t{}\t\n", name, curve.title, low.y, high.y, curve.y_label));
-}
-
-/// The index grows with the pictures: it lists what is there even if the tracking fails later.
-void DebugFolder::write(const std::string& name, const std::vector<unsigned char>& png,
-                        const std::string& index_line) {
-  write_file(folder_ / name, reinterpret_cast<const char*>(png.data()), png.size());
-  index_ += index_line;
-  write_file(folder_ / "index.txt", index_.data(), index_.size());
+  write_file(folder_ / name, png_of(drawn(picture, range, enlargement)));
+  // It grows with the pictures: it lists what is there even if the tracking fails later.
+  index_ += fmt::format("{}\t{}\t{}\t{:.6g}\t{:.6g}\t{}\t{}\n", name, picture.title,
+                        picture.frame ? fmt::format("{} ({})", *picture.frame, picture.why_frame) : "",
+                        range.low, range.high, picture.unit, enlargement);
+  write_file(folder_ / "index.txt", std::string_view(index_));
 }
 
 }  // namespace tribotrack::vision

@@ -18,7 +18,6 @@
 #include <string>
 #include <vector>
 
-#include "vision/discs/rim_sectors.h"
 #include "vision/edge/optics.h"
 #include "vision/layers/first_pass.h"
 
@@ -28,6 +27,12 @@ struct EdgeOptions {
   double radius = 0;          ///< px, known to about a pixel
   double noise_variance = 1;  ///< of a pixel, grey levels^2
   int threads = 1;            ///< the result is the same for any number
+};
+
+/// Where the part was in a frame.
+struct RimFix {
+  Point centre;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2
 };
 
 struct EdgeTrack {

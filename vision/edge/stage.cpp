@@ -84,14 +84,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
       PlanStage{.name = kName, .reason = reason_against(first, options, coded, turning, stated)});
   if (!stage.reason.empty()) return out;
   const auto running = clock.enter(Stage::edge);
-  std::vector<FirstPassFrame> frames;
-  std::vector<std::size_t> places;
-  for (std::size_t k = 0; k < track.points.size(); ++k) {
-    const TrackPoint& p = track.points[k];
-    if (p.status != TrackStatus::ok) continue;
-    frames.push_back({first.first_index + static_cast<std::int64_t>(k), {p.x, p.y}, {}});
-    places.push_back(k);
-  }
+  const auto [frames, places] = seen_frames(track, first.first_index);
   const EdgeTrack edge = track_edge(
       source, frames,
       {.radius = first.disc.radius, .noise_variance = first.noise_variance, .threads = options.threads});

@@ -16,8 +16,7 @@ constexpr int kMostAlike = 100;  ///< things that look like the part, in a whole
 constexpr int kAngles = 24;
 constexpr double kCandidateReach = 2.5;  ///< px from a whole position to what is refined there
 constexpr double kChangedContrast = 0.5, kChangedArea = 0.125;  ///< of the template's spread and mask
-constexpr int kLongestPause = 63;          ///< frames: a template tried once in so many costs nothing
-constexpr double kDirectSearchWork = 3e7;  ///< multiplications; beyond, search on a reduced picture first
+constexpr int kLongestPause = 63;  ///< frames: a template tried once in so many costs nothing
 
 double distance(const Point& a, const Point& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
@@ -145,7 +144,6 @@ Pose PatternFollower::pose_at(const Point& position, std::int64_t index) const {
 void PatternFollower::accept(std::int64_t index, const Sighting& sighting) {
   motion_.add(index, sighting.position);
   if (sighting.by_rim) {
-    ++effort_.proved_by_rim;
     if (template_rest_ == 0)
       template_rest_ = template_pause_ = std::min(2 * template_pause_ + 1, kLongestPause);
     else
@@ -256,34 +254,23 @@ std::optional<Sighting> PatternFollower::by_template(const Rect& window, std::in
 
 /// Where the search template fits best in the window; whole positions only.
 std::optional<Point> PatternFollower::best_match(const Rect& window) {
-  if (window.width < matcher_.width() || window.height < matcher_.height()) return std::nullopt;
-  Match match;
-  const double positions =
-      (window.width - matcher_.width() + 1.0) * (window.height - matcher_.height() + 1.0);
-  if (positions * pattern_.window.width * pattern_.window.height < kDirectSearchWork) {
-    match = matcher_.best(picture_, 0, 0, window.width, window.height);
-  } else if (const auto found = matcher_.search(picture_, 0.5 * search_reference_, pattern_.reach(), 1);
-             !found.empty()) {
-    match = found.front();
-  }
-  if (match.ncc < 0.7 * search_reference_) return std::nullopt;
-  return Point{window.x + match.x + matcher_offset_x_, window.y + match.y + matcher_offset_y_};
+  const auto found = matcher_.search(picture_, 0.7 * search_reference_, pattern_.reach(), 1);
+  if (found.empty()) return std::nullopt;
+  return Point{window.x + found[0].x + matcher_offset_x_, window.y + found[0].y + matcher_offset_y_};
 }
 
 /// Nothing but the rim of the same part will do.
 std::optional<Sighting> PatternFollower::by_rim(const Rect& window, std::int64_t index, const Point& place,
                                                 double reach) {
-  auto rim =
+  const auto rim =
       measure_rim_sectors(picture_, {place.x - window.x, place.y - window.y, rim_->radius}, rim_->blur);
   if (!rim || !same_rim(*rim, *rim_) || rim->correlation < options_.min_ncc) return std::nullopt;
-  rim->circle.x += window.x;
-  rim->circle.y += window.y;
-  const RimFix fix = fix_of(*rim, *rim_, options_.noise_variance);
-  if (distance(fix.centre, place) > reach) return std::nullopt;
+  const Point centre{window.x + rim->circle.x + rim_->offset.x, window.y + rim->circle.y + rim_->offset.y};
+  if (distance(centre, place) > reach) return std::nullopt;
   Sighting s;
-  s.position = fix.centre;
-  s.covariance = fix.covariance;
-  s.pose = pose_at(fix.centre, index);
+  s.position = centre;
+  s.covariance = rim->covariance;
+  s.pose = pose_at(centre, index);
   s.ncc = rim->correlation;
   s.residual_rms = rim->residual_rms;
   s.by_rim = true;

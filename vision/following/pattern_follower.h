@@ -61,7 +61,6 @@ struct FollowEffort {
   std::int64_t proved_by_refinement = 0;
   std::int64_t window_searches = 0;
   std::int64_t whole_frame_searches = 0;
-  std::int64_t proved_by_rim = 0;     ///< where the template was not confirmed, or not tried
   std::optional<std::int64_t> ended;  ///< index of the frame since which the part cannot be told from others
 };
 

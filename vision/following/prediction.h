@@ -14,7 +14,6 @@ namespace tribotrack::vision {
 class MotionPrediction {
  public:
   void add(std::int64_t frame, const Point& position);
-  bool empty() const { return places_.empty(); }
   std::int64_t last_frame() const { return places_.back().frame; }
   Point last() const { return places_.back().position; }
   Point at(std::int64_t frame) const;
@@ -23,8 +22,6 @@ class MotionPrediction {
   double reach(std::int64_t frame) const;
   /// Largest speed seen, px per frame.
   double top_speed() const { return top_speed_; }
-  /// Present speed, px per frame.
-  double speed() const;
 
  private:
   struct Place {

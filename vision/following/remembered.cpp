@@ -37,12 +37,6 @@ Point MotionPrediction::at(std::int64_t frame) const {
   return {b.position.x + t * (b.position.x - a.position.x), b.position.y + t * (b.position.y - a.position.y)};
 }
 
-double MotionPrediction::speed() const {
-  if (places_.size() < 2) return 0;
-  const Point next = at(last_frame() + 1);
-  return std::hypot(next.x - last().x, next.y - last().y);
-}
-
 double MotionPrediction::reach(std::int64_t frame) const {
   const auto gap = static_cast<double>(std::max<std::int64_t>(1, frame - last_frame()));
   return 2 + 3 * std::sqrt(error_squared_) * gap;

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/version.hpp>
@@ -10,7 +9,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <type_traits>
 
 #include "vision/formats/cine/sink.h"
 #include "vision/formats/cine/source.h"
@@ -135,6 +133,10 @@ void require_size(const SinkOptions& options, int width, int height) {
                                 std::to_string(options.height));
 }
 
+void FrameSink::write_rgb(int, int, const unsigned char*) {
+  throw InputError("this kind of recording cannot hold colour: choose .mp4 or .avi");
+}
+
 std::unique_ptr<FrameSink> create_sink(const std::filesystem::path& path, const SinkOptions& given) {
   SinkOptions options = given;
   if (options.codec == Codec::automatic) options.codec = codec_by_name(path);
@@ -195,32 +197,6 @@ void MemorySource::read(std::int64_t index, const Rect& window, Picture& picture
     std::copy_n(frame.row(window.y + y).begin() + window.x, window.width, picture.row(y).begin());
 }
 
-namespace {
-
-/// `stride` is a constant of the type where rows are contiguous: that loop is vectorised.
-template <typename Level, typename Stride>
-void copy_row(const std::byte* stored, Stride stride, std::span<float> row) {
-  for (float& level : row) {
-    Level value;
-    std::memcpy(&value, stored, sizeof value);
-    level = static_cast<float>(value);
-    stored += stride;
-  }
-}
-
-template <typename Level>
-void copy_rows(const std::byte* stored, const FrameStack& stack, Picture& picture) {
-  const std::integral_constant<std::ptrdiff_t, sizeof(Level)> contiguous;
-  for (int y = 0; y < picture.height(); ++y, stored += stack.row_stride) {
-    if (stack.level_stride == contiguous)
-      copy_row<Level>(stored, contiguous, picture.row(y));
-    else
-      copy_row<Level>(stored, stack.level_stride, picture.row(y));
-  }
-}
-
-}  // namespace
-
 StackSource::StackSource(const FrameStack& stack, double frame_rate_hz, int bits) : stack_(stack) {
   if (stack.frames < 1 || stack.width < 1 || stack.height < 1)
     throw std::invalid_argument("a recording in memory needs at least one picture of one pixel");
@@ -243,12 +219,18 @@ StackSource::StackSource(const FrameStack& stack, double frame_rate_hz, int bits
 
 void StackSource::read(std::int64_t index, const Rect& window, Picture& picture) {
   prepare_window(info_, index, window, picture);
-  const auto* first = static_cast<const std::byte*>(stack_.first) + index * stack_.frame_stride +
-                      window.y * stack_.row_stride + window.x * stack_.level_stride;
-  if (stack_.bytes_per_level == 1)
-    copy_rows<std::uint8_t>(first, stack_, picture);
-  else
-    copy_rows<std::uint16_t>(first, stack_, picture);
+  const bool narrow = stack_.bytes_per_level == 1;
+  for (int y = 0; y < window.height; ++y) {
+    const auto* stored = static_cast<const std::uint8_t*>(stack_.first) + index * stack_.frame_stride +
+                         (window.y + y) * stack_.row_stride + window.x * stack_.level_stride;
+    const std::span<float> row = picture.row(y);
+    if (stack_.level_stride == stack_.bytes_per_level) {
+      narrow ? copy_levels(stored, row) : copy_levels_16(stored, row);
+      continue;
+    }
+    for (std::size_t x = 0; x < row.size(); ++x, stored += stack_.level_stride)
+      row[x] = narrow ? *stored : word_at(stored, 0);
+  }
 }
 
 }  // namespace tribotrack::vision

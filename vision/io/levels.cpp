@@ -41,4 +41,22 @@ TRIBOTRACK_CLONES void copy_levels(const std::uint8_t* stored, std::span<float> 
   for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<float>(stored[i]);
 }
 
+float level_of_share(std::vector<float>& levels, double share) {
+  if (levels.empty()) return 0;
+  const auto at =
+      levels.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(levels.size() - 1));
+  std::nth_element(levels.begin(), at, levels.end());
+  return *at;
+}
+
+void store_levels(std::span<const float> levels, int bits, std::uint8_t* stored) {
+  const auto largest = static_cast<float>((1 << bits) - 1);
+  for (const float level : levels) {
+    const auto whole =
+        level > 0 ? static_cast<std::uint16_t>(std::nearbyint(std::min(level, largest))) : std::uint16_t{0};
+    *stored++ = static_cast<std::uint8_t>(whole & 0xFF);
+    if (bits > 8) *stored++ = static_cast<std::uint8_t>(whole >> 8);
+  }
+}
+
 }  // namespace tribotrack::vision

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <vector>
 
 #include "vision/frame_sink.h"
 #include "vision/frame_source.h"
@@ -54,17 +55,14 @@ inline void luma_of_bgr_16(const std::uint8_t* stored, std::span<float> levels) 
     levels[i] = luma(word_at(stored, 3 * i + 2), word_at(stored, 3 * i + 1), word_at(stored, 3 * i));
 }
 
+/// The level below which that share of them lies, 0 to 1; of none 0. Reorders them.
+float level_of_share(std::vector<float>& levels, double share);
+
 // What every sink does with a picture before it stores it.
 
-/// Whole level 0 .. largest; not a number gives 0.
-inline std::uint16_t whole_level(float level, float largest) {
-  if (!(level > 0)) return 0;
-  return static_cast<std::uint16_t>(std::nearbyint(level < largest ? level : largest));
-}
-
-inline float largest_level(int bits) {
-  return static_cast<float>((1 << bits) - 1);
-}
+/// Whole levels 0 .. 2^bits - 1, a byte each, or two where `bits` is above 8 (the lower first); not a number
+/// gives 0.
+void store_levels(std::span<const float> levels, int bits, std::uint8_t* stored);
 
 /// Throws std::invalid_argument where the size is not the sink's (a caller's mistake).
 void require_size(const SinkOptions& options, int width, int height);

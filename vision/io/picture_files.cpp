@@ -64,46 +64,30 @@ class TiffFile {
     return static_cast<std::int64_t>(seen.size());
   }
 
-  /// The page's picture, and the tiles it is made of; 0 where it states none.
-  std::array<Size, 2> sizes(std::uint64_t directory, std::uint64_t entries) const {
-    constexpr std::uint64_t kWidth = 256, kHeight = 257, kTileWidth = 322, kTileHeight = 323;
-    std::array<Size, 2> found;
-    for (std::uint64_t k = 0; k < entries; ++k) {
-      const std::uint64_t entry = directory + k * entry_bytes();
-      switch (number(entry, 2, "a directory")) {
-        case kWidth:
-          found[0].width = value(entry);
-          break;
-        case kHeight:
-          found[0].height = value(entry);
-          break;
-        case kTileWidth:
-          found[1].width = value(entry);
-          break;
-        case kTileHeight:
-          found[1].height = value(entry);
-          break;
-        default:
-          break;
-      }
-    }
-    return found;
-  }
-
-  /// Bits of a pixel, all its samples together.
-  std::uint64_t depth(std::uint64_t directory, std::uint64_t entries) const {
-    constexpr std::uint64_t kBits = 258, kSamples = 277, kMost = 64;
+  /// The page's picture and the tiles it is made of, 0 where it states none; bits of a sample, samples.
+  struct Page {
+    Size picture, tile;
     std::uint64_t bits = 1, samples = 1;
+  };
+  Page page(std::uint64_t directory, std::uint64_t entries) const {
+    constexpr std::uint64_t kBits = 258;
+    Page found;
+    const std::pair<std::uint64_t, std::uint64_t*> wanted[] = {{256, &found.picture.width},
+                                                               {257, &found.picture.height},
+                                                               {277, &found.samples},
+                                                               {322, &found.tile.width},
+                                                               {323, &found.tile.height}};
     for (std::uint64_t k = 0; k < entries; ++k) {
       const std::uint64_t entry = directory + k * entry_bytes(), tag = number(entry, 2, "a directory");
-      if (tag == kSamples) samples = value(entry);
+      for (const auto& [known, field] : wanted)
+        if (tag == known) *field = value(entry);
       if (tag != kBits) continue;
       // One number for each sample; more than fit here stand elsewhere.
       const std::uint64_t room = large_ ? 8 : 4, count = number(entry + 4, room, "a directory"),
                           at = entry + 4 + room;
-      bits = number(count > room / 2 ? number(at, room, "a directory") : at, 2, "the bits of a sample");
+      found.bits = number(count > room / 2 ? number(at, room, "a directory") : at, 2, "the bits of a sample");
     }
-    return std::min(bits, kMost) * std::min(samples, kMost);
+    return found;
   }
 
  private:
@@ -133,20 +117,21 @@ std::int64_t count_tiff_pages(const std::filesystem::path& path) {
 }
 
 void require_sensible_pages(const std::filesystem::path& path) {
-  constexpr std::uint64_t kMostBytes = std::uint64_t{256} << 20,
-                          kDensest = 2048;  // as require_sensible_size()
+  constexpr std::uint64_t kMostBytes = std::uint64_t{256} << 20, kDensest = 2048,
+                          kMost = 64;  // as require_sensible_size(); bits, samples
   const TiffFile file(path);
   std::uint64_t all = 0;
   file.for_pages([&](std::uint64_t directory, std::uint64_t entries) {
-    const TiffFile::Size page = file.sizes(directory, entries)[0];
-    for (const TiffFile::Size& size : file.sizes(directory, entries)) {
+    const TiffFile::Page page = file.page(directory, entries);
+    for (const TiffFile::Size& size : {page.picture, page.tile}) {
       constexpr std::uint64_t most = std::numeric_limits<std::int64_t>::max();
       if (size.width != 0 && size.height != 0)
         require_sensible_size(path, static_cast<std::int64_t>(std::min(size.width, most)),
                               static_cast<std::int64_t>(std::min(size.height, most)),
                               std::filesystem::file_size(path));
     }
-    const std::uint64_t bytes = page.width * page.height * file.depth(directory, entries) / 8;
+    const std::uint64_t depth = std::min(page.bits, kMost) * std::min(page.samples, kMost);
+    const std::uint64_t bytes = page.picture.width * page.picture.height * depth / 8;
     all += bytes;
     if (bytes > kMostBytes || all / kDensest > std::filesystem::file_size(path))
       throw InputError(in_quotes(path) + " is damaged or too large: it claims pictures of " +

@@ -4,10 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
+#include <opencv2/core.hpp>
 
-#include "vision/kernels/quintic_lanes.h"
-#include "vision/kernels/spline_kernels.h"
 #include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
@@ -51,39 +49,6 @@ int mirrored(int k, int n) {
   return k < n ? k : period - k;
 }
 
-/// to(i, j) = from(j, i) of `rows` x `columns` values whose rows are so many values apart.
-void transpose(const float* from, std::ptrdiff_t from_step, int rows, int columns, float* to,
-               std::ptrdiff_t to_step) {
-  using Four [[gnu::vector_size(16)]] = float;
-  const auto load = [](const float* at) {
-    Four v;
-    std::memcpy(&v, at, sizeof v);
-    return v;
-  };
-  const auto store = [](const Four& v, float* at) { std::memcpy(at, &v, sizeof v); };
-  const auto one = [&](int j, int i) { to[i * to_step + j] = from[j * from_step + i]; };
-  const int whole_rows = rows - rows % 4, whole_columns = columns - columns % 4;
-  for (int i = 0; i < whole_columns; i += 4)
-    for (int j = 0; j < whole_rows; j += 4) {
-      const float* at = from + j * from_step + i;
-      const Four a = load(at), b = load(at + from_step), c = load(at + 2 * from_step),
-                 d = load(at + 3 * from_step);
-      const Four ab = __builtin_shufflevector(a, b, 0, 4, 1, 5),
-                 cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
-      const Four ba = __builtin_shufflevector(a, b, 2, 6, 3, 7),
-                 dc = __builtin_shufflevector(c, d, 2, 6, 3, 7);
-      float* out = to + i * to_step + j;
-      store(__builtin_shufflevector(ab, cd, 0, 1, 4, 5), out);
-      store(__builtin_shufflevector(ab, cd, 2, 3, 6, 7), out + to_step);
-      store(__builtin_shufflevector(ba, dc, 0, 1, 4, 5), out + 2 * to_step);
-      store(__builtin_shufflevector(ba, dc, 2, 3, 6, 7), out + 3 * to_step);
-    }
-  for (int j = whole_rows; j < rows; ++j)
-    for (int i = 0; i < columns; ++i) one(j, i);
-  for (int j = 0; j < whole_rows; ++j)
-    for (int i = whole_columns; i < columns; ++i) one(j, i);
-}
-
 /// In place: samples to coefficients, one line of n values `step` apart.
 void prefilter(double* line, int n, std::ptrdiff_t step) {
   if (n < 2) return;
@@ -102,159 +67,7 @@ void prefilter(double* line, int n, std::ptrdiff_t step) {
   }
 }
 
-}  // namespace
-
-std::array<double, 6> quintic_weights(double t) {
-  std::array<double, 6> weights{};
-  for (int k = -2; k <= 3; ++k) weights[static_cast<std::size_t>(k + 2)] = basis(t - k);
-  return weights;
-}
-
-std::array<double, 6> quintic_slopes(double t) {
-  std::array<double, 6> slopes{};
-  for (int k = -2; k <= 3; ++k) slopes[static_cast<std::size_t>(k + 2)] = basis_slope(t - k);
-  return slopes;
-}
-
-SplineTaps spline_taps(double fraction_x, double fraction_y) {
-  const auto narrow = [](const std::array<double, 6>& from) {
-    std::array<float, 6> to{};
-    std::transform(from.begin(), from.end(), to.begin(), [](double v) { return static_cast<float>(v); });
-    return to;
-  };
-  return {narrow(quintic_weights(fraction_x)), narrow(quintic_slopes(fraction_x)),
-          narrow(quintic_weights(fraction_y)), narrow(quintic_slopes(fraction_y))};
-}
-
-QuinticSpline::QuinticSpline(const Picture& picture)
-    : width_(picture.width()), height_(picture.height()), stride_(picture.width() + 2 * kPad) {
-  coefficients_.resize(static_cast<std::size_t>(stride_) * (height_ + 2 * kPad));
-  const auto row = [&](int y) {
-    return coefficients_.data() + static_cast<std::size_t>(y + kPad) * stride_ + kPad;
-  };
-  // kPanel lines at a time, first along the rows, then along the columns.
-  std::vector<float> panel(static_cast<std::size_t>(kPanel) * std::max(width_, height_));
-  for (int y0 = 0; y0 < height_; y0 += kPanel) {
-    const int lines = std::min(kPanel, height_ - y0);
-    transpose(picture.row(y0).data(), picture.width(), lines, width_, panel.data(), kPanel);
-    spline_kernels().prefilter(panel.data(), width_);
-    transpose(panel.data(), kPanel, width_, lines, row(y0), stride_);
-  }
-  for (int x0 = 0; x0 < width_; x0 += kPanel) {
-    const int lines = std::min(kPanel, width_ - x0);
-    for (int y = 0; y < height_; ++y) std::copy_n(row(y) + x0, lines, panel.begin() + y * kPanel);
-    spline_kernels().prefilter(panel.data(), height_);
-    for (int y = 0; y < height_; ++y) std::copy_n(panel.begin() + y * kPanel, lines, row(y) + x0);
-  }
-  for (int y = 0; y < height_; ++y)
-    for (int x = 1; x <= kPad; ++x) {
-      row(y)[-x] = row(y)[mirrored(-x, width_)];
-      row(y)[width_ - 1 + x] = row(y)[mirrored(width_ - 1 + x, width_)];
-    }
-  const auto copy_row = [&](int from, int to) { std::copy_n(row(from) - kPad, stride_, row(to) - kPad); };
-  for (int k = 1; k <= kPad; ++k) {
-    copy_row(mirrored(-k, height_), -k);
-    copy_row(mirrored(height_ - 1 + k, height_), height_ - 1 + k);
-  }
-}
-
-double QuinticSpline::value(double x, double y) const {
-  return sample(x, y).value;
-}
-
-SplineSample QuinticSpline::sample(double x, double y) const {
-  x = std::clamp(x, -5.0, width_ + 3.999);
-  y = std::clamp(y, -5.0, height_ + 3.999);
-  const double fx = std::floor(x);
-  const double fy = std::floor(y);
-  const auto wx = quintic_weights(x - fx);
-  const auto sx = quintic_slopes(x - fx);
-  const auto wy = quintic_weights(y - fy);
-  const auto sy = quintic_slopes(y - fy);
-  SplineSample out;
-  for (int j = 0; j < 6; ++j) {
-    const float* row = coefficient_row(static_cast<int>(fy) + j - 2) + static_cast<int>(fx) - 2;
-    double value = 0;
-    double slope = 0;
-    for (std::size_t i = 0; i < 6; ++i) {
-      value += wx[i] * row[i];
-      slope += sx[i] * row[i];
-    }
-    out.value += wy[static_cast<std::size_t>(j)] * value;
-    out.slope_x += wy[static_cast<std::size_t>(j)] * slope;
-    out.slope_y += sy[static_cast<std::size_t>(j)] * value;
-  }
-  return out;
-}
-
-void QuinticSpline::sample_places(const std::vector<float>& x, const std::vector<float>& y, float* value,
-                                  float* slope_x, float* slope_y) const {
-  spline_kernels().at({coefficient(0, 0), stride_, width_, height_, x.data(), y.data(), x.size()}, value,
-                      slope_x, slope_y);
-}
-
-void QuinticSpline::sample_window(double x0, double y0, int width, int height, float* value, float* slope_x,
-                                  float* slope_y) const {
-  const int ix = static_cast<int>(std::floor(x0));
-  const int iy = static_cast<int>(std::floor(y0));
-  thread_local std::vector<float> rows;
-  spline_kernels().window(coefficient(ix, iy), stride_, spline_taps(x0 - ix, y0 - iy), width, height, rows,
-                          value, slope_x, slope_y);
-}
-
-void QuinticSpline::sample_tiles(double x0, double y0, const std::vector<TilePlace>& tiles,
-                                 std::vector<const float*>& corners, bool slopes, TileArrays& arrays) const {
-  const int ix = static_cast<int>(std::floor(x0));
-  const int iy = static_cast<int>(std::floor(y0));
-  for (std::size_t t = 0; t < tiles.size(); ++t) corners[t] = coefficient(ix + tiles[t].x, iy + tiles[t].y);
-  tile_kernels().sample(corners, stride_, spline_taps(x0 - ix, y0 - iy), 0, slopes, arrays);
-}
-
-namespace {
-
-constexpr int kReach = 20;  // 0.43^20 < 1e-7
-
-/// Sum over k of h_k h_{k + lag}, h the coefficients of a picture that is 1 at one pixel and else 0.
-double autocorrelation(int lag) {
-  static const std::vector<double> known = [] {
-    std::vector<double> line(6 * kReach + 1, 0.0), sums(2 * kReach + 1, 0.0);
-    line[3 * kReach] = 1;
-    prefilter(line.data(), static_cast<int>(line.size()), 1);
-    for (std::size_t l = 0; l < sums.size(); ++l)
-      for (std::size_t k = 0; k + l < line.size(); ++k) sums[l] += line[k] * line[k + l];
-    return sums;
-  }();
-  const auto place = static_cast<std::size_t>(std::abs(lag));
-  return place < known.size() ? known[place] : 0;
-}
-
-/// Covariance of white noise interpolated with these weights, the second's first coefficient `shift` beyond
-/// the first's.
-double covariance(const std::array<double, 6>& a, const std::array<double, 6>& b, int shift) {
-  std::array<double, 11> of_lag{};
-  for (int l = 0; l < 11; ++l) of_lag[static_cast<std::size_t>(l)] = autocorrelation(shift + l - 5);
-  double sum = 0;
-  for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t j = 0; j < 6; ++j) sum += a[i] * b[j] * of_lag[j + 5 - i];
-  return sum;
-}
-
-}  // namespace
-
-InterpolationNoise quintic_noise(double fraction) {
-  const double t = fraction - std::floor(fraction);
-  const auto weights = quintic_weights(t), slopes = quintic_slopes(t);
-  return {covariance(weights, weights, 0), covariance(slopes, slopes, 0)};
-}
-
-InterpolationCovariance quintic_noise_covariance(double f, double g) {
-  const int shift = static_cast<int>(std::floor(g) - std::floor(f));
-  const double t = f - std::floor(f);
-  const auto there = quintic_weights(g - std::floor(g));
-  return {covariance(quintic_weights(t), there, shift), covariance(quintic_slopes(t), there, shift)};
-}
-
-namespace {
+constexpr int kPanel = 32;  ///< signals filtered side by side
 
 /// One sample of all signals of a panel, in vectors that fit registers: a recursion kept in memory waits for
 /// it.
@@ -264,8 +77,9 @@ constexpr int kVectors = kPanel / 8;
 constexpr std::array<float, 2> kFloatPoles = {-0.43057534709997379F, -0.04309628820326465F};
 constexpr int kMemory = 28;  ///< |z|^28 < 1e-10
 
+/// Samples to coefficients of kPanel signals at once, in place: panel[kPanel k + i] is sample k of signal i.
 /// Unser, Aldroubi, Eden (1993), box 2, with whole-sample mirrors.
-TRIBOTRACK_KERNEL void prefilter_panel(float* panel, int n) {
+TRIBOTRACK_CLONES void prefilter_panel(float* panel, int n) {
   if (n < 2) return;
   const auto sample = [&](int k, int q) { return panel + static_cast<std::ptrdiff_t>(kPanel) * k + 8 * q; };
   for (const float z : kFloatPoles) {
@@ -326,9 +140,11 @@ TRIBOTRACK_KERNEL void along_columns(const float* r, const std::array<float, 6>&
                w[4] * r[i + 4 * line] + w[5] * r[i + 5 * line];
 }
 
-TRIBOTRACK_KERNEL void sample_window(const float* corner, std::ptrdiff_t stride, const SplineTaps& taps,
-                                     int width, int height, std::vector<float>& scratch, float* value,
-                                     float* slope_x, float* slope_y) {
+/// out[j * width + i] for a window whose first place lies in the cell of the coefficient at `corner`; rows of
+/// coefficients are `stride` apart.
+TRIBOTRACK_CLONES void window_of(const float* corner, std::ptrdiff_t stride, const SplineTaps& taps,
+                                 int width, int height, std::vector<float>& scratch, float* value,
+                                 float* slope_x, float* slope_y) {
   const auto line = static_cast<std::size_t>(width);
   const auto lines = static_cast<std::size_t>(height);
   const std::size_t rows = lines + 5;
@@ -344,7 +160,63 @@ TRIBOTRACK_KERNEL void sample_window(const float* corner, std::ptrdiff_t stride,
   along_columns(slanted, taps.weight_y, lines, line, slope_x);
 }
 
-TRIBOTRACK_KERNEL void sample_at(const SplinePlaces& places, float* value, float* slope_x, float* slope_y) {
+// The six weights of a quintic B-spline in one vector, for places that each have a fraction of their own.
+
+using TapLanes = VectorOf<float, 8>::type;  ///< weights of the coefficients -2 .. 3, then two zeros
+
+TRIBOTRACK_KERNEL float whole_below(float x) {
+  const auto cut = static_cast<float>(static_cast<int>(x));
+  return cut > x ? cut - 1 : cut;
+}
+
+/// b(t - k), t in [0, 1), each a polynomial of t: all six at once by Horner's rule.
+TRIBOTRACK_KERNEL void quintic_lanes(float t, TapLanes& weight) {
+  constexpr float u = 1.0F / 120;
+  constexpr TapLanes c5 = {-u, 5 * u, -10 * u, 10 * u, -5 * u, u, 0, 0};
+  constexpr TapLanes c4 = {5 * u, -20 * u, 30 * u, -20 * u, 5 * u, 0, 0, 0};
+  constexpr TapLanes c3 = {-10 * u, 20 * u, 0, -20 * u, 10 * u, 0, 0, 0};
+  constexpr TapLanes c2 = {10 * u, 20 * u, -60 * u, 20 * u, 10 * u, 0, 0, 0};
+  constexpr TapLanes c1 = {-5 * u, -50 * u, 0, 50 * u, 5 * u, 0, 0, 0};
+  constexpr TapLanes c0 = {u, 26 * u, 66 * u, 26 * u, u, 0, 0, 0};
+  weight = ((((c5 * t + c4) * t + c3) * t + c2) * t + c1) * t + c0;
+}
+
+/// Their derivatives with respect to t.
+TRIBOTRACK_KERNEL void quintic_slope_lanes(float t, TapLanes& slope) {
+  constexpr float u = 1.0F / 24;
+  constexpr TapLanes c4 = {-u, 5 * u, -10 * u, 10 * u, -5 * u, u, 0, 0};
+  constexpr TapLanes c3 = {4 * u, -16 * u, 24 * u, -16 * u, 4 * u, 0, 0, 0};
+  constexpr TapLanes c2 = {-6 * u, 12 * u, 0, -12 * u, 6 * u, 0, 0, 0};
+  constexpr TapLanes c1 = {4 * u, 8 * u, -24 * u, 8 * u, 4 * u, 0, 0, 0};
+  constexpr TapLanes c0 = {-u, -10 * u, 0, 10 * u, u, 0, 0, 0};
+  slope = (((c4 * t + c3) * t + c2) * t + c1) * t + c0;
+}
+
+/// sum_ij y_j x_i c_ij over the six by six coefficients whose first is at `c`; eight of a row are read.
+TRIBOTRACK_KERNEL void weigh_rows(const float* c, std::ptrdiff_t stride, const TapLanes& weight_y,
+                                  TapLanes& columns) {
+  columns = TapLanes{};
+  for (int j = 0; j < 6; ++j) {
+    TapLanes row;
+    load(c + j * stride, row);
+    columns += weight_y[j] * row;
+  }
+}
+
+TRIBOTRACK_KERNEL float sum_of_lanes(const TapLanes& v) {
+  return ((v[0] + v[4]) + (v[1] + v[5])) + (v[2] + v[3]);
+}
+
+/// Places of a spline that each have a fraction of their own.
+struct Places {
+  const float* origin = nullptr;  ///< the coefficient of pixel (0, 0)
+  std::ptrdiff_t stride = 0;
+  int width = 0, height = 0;  ///< of the picture: places are clamped to 5 px before and 4 px beyond it
+  const float *x = nullptr, *y = nullptr;
+  std::size_t count = 0;
+};
+
+TRIBOTRACK_CLONES void places_of(const Places& places, float* value, float* slope_x, float* slope_y) {
   const float right = static_cast<float>(places.width) + 3.99F,
               bottom = static_cast<float>(places.height) + 3.99F;
   for (std::size_t k = 0; k < places.count; ++k) {
@@ -368,33 +240,160 @@ TRIBOTRACK_KERNEL void sample_at(const SplinePlaces& places, float* value, float
   }
 }
 
-#define TRIBOTRACK_VARIANT(suffix, ...)                                                                    \
-  __VA_ARGS__ void prefilter_##suffix(float* panel, int samples) {                                         \
-    prefilter_panel(panel, samples);                                                                       \
-  }                                                                                                        \
-  __VA_ARGS__ void window_##suffix(const float* corner, std::ptrdiff_t stride, const SplineTaps& taps,     \
-                                   int width, int height, std::vector<float>& scratch, float* value,       \
-                                   float* slope_x, float* slope_y) {                                       \
-    sample_window(corner, stride, taps, width, height, scratch, value, slope_x, slope_y);                  \
-  }                                                                                                        \
-  __VA_ARGS__ void at_##suffix(const SplinePlaces& places, float* value, float* slope_x, float* slope_y) { \
-    sample_at(places, value, slope_x, slope_y);                                                            \
-  }                                                                                                        \
-  constexpr SplineKernels k_##suffix{#suffix, prefilter_##suffix, window_##suffix, at_##suffix};
+}  // namespace
 
-TRIBOTRACK_VARIANT(baseline)
-TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)
-#undef TRIBOTRACK_VARIANT
+std::array<double, 6> quintic_weights(double t) {
+  std::array<double, 6> weights{};
+  for (int k = -2; k <= 3; ++k) weights[static_cast<std::size_t>(k + 2)] = basis(t - k);
+  return weights;
+}
+
+std::array<double, 6> quintic_slopes(double t) {
+  std::array<double, 6> slopes{};
+  for (int k = -2; k <= 3; ++k) slopes[static_cast<std::size_t>(k + 2)] = basis_slope(t - k);
+  return slopes;
+}
+
+SplineTaps spline_taps(double fraction_x, double fraction_y) {
+  const auto narrow = [](const std::array<double, 6>& from) {
+    std::array<float, 6> to{};
+    std::transform(from.begin(), from.end(), to.begin(), [](double v) { return static_cast<float>(v); });
+    return to;
+  };
+  return {narrow(quintic_weights(fraction_x)), narrow(quintic_slopes(fraction_x)),
+          narrow(quintic_weights(fraction_y)), narrow(quintic_slopes(fraction_y))};
+}
+
+QuinticSpline::QuinticSpline(const Picture& picture)
+    : width_(picture.width()), height_(picture.height()), stride_(picture.width() + 2 * kPad) {
+  coefficients_.resize(static_cast<std::size_t>(stride_) * (height_ + 2 * kPad));
+  const auto row = [&](int y) {
+    return coefficients_.data() + static_cast<std::size_t>(y + kPad) * stride_ + kPad;
+  };
+  // kPanel lines at a time, first along the rows, then along the columns.
+  std::vector<float> panel(static_cast<std::size_t>(kPanel) * std::max(width_, height_));
+  for (int y0 = 0; y0 < height_; y0 += kPanel) {
+    const int lines = std::min(kPanel, height_ - y0);
+    const auto step = stride_ * sizeof(float);
+    cv::Mat turned(width_, lines, CV_32F, panel.data(), kPanel * sizeof(float));
+    cv::transpose(cv::Mat(lines, width_, CV_32F, const_cast<float*>(picture.row(y0).data())), turned);
+    prefilter_panel(panel.data(), width_);
+    cv::Mat back(lines, width_, CV_32F, row(y0), step);
+    cv::transpose(turned, back);
+  }
+  for (int x0 = 0; x0 < width_; x0 += kPanel) {
+    const int lines = std::min(kPanel, width_ - x0);
+    for (int y = 0; y < height_; ++y) std::copy_n(row(y) + x0, lines, panel.begin() + y * kPanel);
+    prefilter_panel(panel.data(), height_);
+    for (int y = 0; y < height_; ++y) std::copy_n(panel.begin() + y * kPanel, lines, row(y) + x0);
+  }
+  for (int y = 0; y < height_; ++y)
+    for (int x = 1; x <= kPad; ++x) {
+      row(y)[-x] = row(y)[mirrored(-x, width_)];
+      row(y)[width_ - 1 + x] = row(y)[mirrored(width_ - 1 + x, width_)];
+    }
+  const auto copy_row = [&](int from, int to) { std::copy_n(row(from) - kPad, stride_, row(to) - kPad); };
+  for (int k = 1; k <= kPad; ++k) {
+    copy_row(mirrored(-k, height_), -k);
+    copy_row(mirrored(height_ - 1 + k, height_), height_ - 1 + k);
+  }
+}
+
+double QuinticSpline::value(double x, double y) const {
+  return sample(x, y).value;
+}
+
+SplineSample QuinticSpline::sample(double x, double y) const {
+  x = std::clamp(x, -5.0, width_ + 3.999);
+  y = std::clamp(y, -5.0, height_ + 3.999);
+  const double fx = std::floor(x);
+  const double fy = std::floor(y);
+  const auto wx = quintic_weights(x - fx);
+  const auto sx = quintic_slopes(x - fx);
+  const auto wy = quintic_weights(y - fy);
+  const auto sy = quintic_slopes(y - fy);
+  SplineSample out;
+  for (int j = 0; j < 6; ++j) {
+    const float* row = coefficient_row(static_cast<int>(fy) + j - 2) + static_cast<int>(fx) - 2;
+    double value = 0;
+    double slope = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      value += wx[i] * row[i];
+      slope += sx[i] * row[i];
+    }
+    out.value += wy[static_cast<std::size_t>(j)] * value;
+    out.slope_x += wy[static_cast<std::size_t>(j)] * slope;
+    out.slope_y += sy[static_cast<std::size_t>(j)] * value;
+  }
+  return out;
+}
+
+void QuinticSpline::sample_places(const std::vector<float>& x, const std::vector<float>& y, float* value,
+                                  float* slope_x, float* slope_y) const {
+  places_of({coefficient(0, 0), stride_, width_, height_, x.data(), y.data(), x.size()}, value, slope_x,
+            slope_y);
+}
+
+void QuinticSpline::sample_window(double x0, double y0, int width, int height, float* value, float* slope_x,
+                                  float* slope_y) const {
+  const int ix = static_cast<int>(std::floor(x0));
+  const int iy = static_cast<int>(std::floor(y0));
+  thread_local std::vector<float> rows;
+  window_of(coefficient(ix, iy), stride_, spline_taps(x0 - ix, y0 - iy), width, height, rows, value, slope_x,
+            slope_y);
+}
+
+void QuinticSpline::sample_tiles(double x0, double y0, const std::vector<TilePlace>& tiles,
+                                 std::vector<const float*>& corners, float pivot, bool slopes,
+                                 TileArrays& arrays) const {
+  const int ix = static_cast<int>(std::floor(x0));
+  const int iy = static_cast<int>(std::floor(y0));
+  for (std::size_t t = 0; t < tiles.size(); ++t) corners[t] = coefficient(ix + tiles[t].x, iy + tiles[t].y);
+  vision::sample_tiles(corners, stride_, spline_taps(x0 - ix, y0 - iy), pivot, slopes, arrays);
+}
+
+namespace {
+
+constexpr int kReach = 20;  // 0.43^20 < 1e-7
+
+/// Sum over k of h_k h_{k + lag}, h the coefficients of a picture that is 1 at one pixel and else 0.
+double autocorrelation(int lag) {
+  static const std::vector<double> known = [] {
+    std::vector<double> line(6 * kReach + 1, 0.0), sums(2 * kReach + 1, 0.0);
+    line[3 * kReach] = 1;
+    prefilter(line.data(), static_cast<int>(line.size()), 1);
+    for (std::size_t l = 0; l < sums.size(); ++l)
+      for (std::size_t k = 0; k + l < line.size(); ++k) sums[l] += line[k] * line[k + l];
+    return sums;
+  }();
+  const auto place = static_cast<std::size_t>(std::abs(lag));
+  return place < known.size() ? known[place] : 0;
+}
+
+/// Covariance of white noise interpolated with these weights, the second's first coefficient `shift` beyond
+/// the first's.
+double covariance(const std::array<double, 6>& a, const std::array<double, 6>& b, int shift) {
+  std::array<double, 11> of_lag{};
+  for (int l = 0; l < 11; ++l) of_lag[static_cast<std::size_t>(l)] = autocorrelation(shift + l - 5);
+  double sum = 0;
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = 0; j < 6; ++j) sum += a[i] * b[j] * of_lag[j + 5 - i];
+  return sum;
+}
 
 }  // namespace
 
-std::vector<SplineKernels> all_spline_kernels() {
-  return runnable(k_baseline, k_avx2);
+InterpolationNoise quintic_noise(double fraction) {
+  const double t = fraction - std::floor(fraction);
+  const auto weights = quintic_weights(t), slopes = quintic_slopes(t);
+  return {covariance(weights, weights, 0), covariance(slopes, slopes, 0)};
 }
 
-const SplineKernels& spline_kernels() {
-  static const SplineKernels fastest = all_spline_kernels().back();
-  return fastest;
+InterpolationCovariance quintic_noise_covariance(double f, double g) {
+  const int shift = static_cast<int>(std::floor(g) - std::floor(f));
+  const double t = f - std::floor(f);
+  const auto there = quintic_weights(g - std::floor(g));
+  return {covariance(quintic_weights(t), there, shift), covariance(quintic_slopes(t), there, shift)};
 }
 
 }  // namespace tribotrack::vision

@@ -14,11 +14,6 @@ void FewFactor<kMost>::compute(const FewByFew<kMost>& symmetric) {
 }
 
 template <int kMost>
-bool FewFactor<kMost>::positive() const {
-  return factor_.info() == Eigen::Success && factor_.isPositive();
-}
-
-template <int kMost>
 Few<kMost> FewFactor<kMost>::solve(const Few<kMost>& right) const {
   return factor_.solve(right);
 }

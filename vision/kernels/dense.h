@@ -19,7 +19,6 @@ class FewFactor {
  public:
   explicit FewFactor(const FewByFew<kMost>& symmetric);
   void compute(const FewByFew<kMost>& symmetric);
-  bool positive() const;
   Few<kMost> solve(const Few<kMost>& right) const;
   FewByFew<kMost> solve(const FewByFew<kMost>& right) const;
 

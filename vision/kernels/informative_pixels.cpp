@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <opencv2/imgproc.hpp>
 
 #include "vision/kernels/tile_kernels.h"
 
@@ -16,14 +17,9 @@ constexpr double kStandsOut = 1.3;
 
 /// Sums over (2 kReach + 1)^2 pixels, fewer at the border.
 Picture box_sums(const Picture& in) {
-  Picture rows(in.width(), in.height()), out(in.width(), in.height());
-  for (int y = 0; y < in.height(); ++y)
-    for (int x = 0; x < in.width(); ++x)
-      for (int k = std::max(0, x - kReach); k <= std::min(in.width() - 1, x + kReach); ++k)
-        rows.at(x, y) += in.at(k, y);
-  for (int y = 0; y < in.height(); ++y)
-    for (int k = std::max(0, y - kReach); k <= std::min(in.height() - 1, y + kReach); ++k)
-      for (int x = 0; x < in.width(); ++x) out.at(x, y) += rows.at(x, k);
+  Picture out = in;
+  cv::Mat levels(out.height(), out.width(), CV_32F, out.levels().data());
+  cv::boxFilter(levels, levels, -1, {2 * kReach + 1, 2 * kReach + 1}, {-1, -1}, false, cv::BORDER_CONSTANT);
   return out;
 }
 
@@ -89,57 +85,29 @@ std::vector<TilePlace> cover_with_tiles(const Picture& mask) {
   return tiles;
 }
 
-namespace {
-
-constexpr unsigned char kOutlier = 1, kNearby = 2;
-
-}  // namespace
-
-std::size_t spread_outliers(std::span<const TilePlace> places, double reach,
-                            std::vector<unsigned char>& outliers) {
-  if (places.empty()) return 0;
-  const int margin = std::max(1, static_cast<int>(reach));
+std::size_t spread_outliers(std::span<const TilePlace> places, std::vector<unsigned char>& outliers) {
+  constexpr int kEdge = 3;  // px about a covering object that are half covered
+  if (std::ranges::count(outliers, 0) == std::ssize(outliers)) return 0;
   const auto columns = std::ranges::minmax(places, {}, &TilePlace::x);
   const auto rows = std::ranges::minmax(places, {}, &TilePlace::y);
-  const int left = columns.min.x, top = rows.min.y;
-  const int width = columns.max.x - left + kTile + 2 * margin, height = rows.max.y - top + kTile + 2 * margin;
-  std::vector<unsigned char> map(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  // Row j of a tile: its first pixel in the map.
-  const auto row_of = [&](const TilePlace& place, int j) {
-    return static_cast<std::ptrdiff_t>(place.y - top + margin + j) * width + (place.x - left + margin);
+  const int left = columns.min.x - kEdge, top = rows.min.y - kEdge;
+  cv::Mat map(rows.max.y - top + kTile + kEdge, columns.max.x - left + kTile + kEdge, CV_8U, cv::Scalar(0));
+  const auto each = [&](const auto& act) {
+    for (std::size_t t = 0; t < places.size(); ++t)
+      for (int j = 0; j < kTile; ++j)
+        for (int i = 0; i < kTile; ++i)
+          act(outliers[t * kTilePixels + static_cast<std::size_t>(j * kTile + i)],
+              map.at<unsigned char>(places[t].y - top + j, places[t].x - left + i));
   };
-  std::vector<std::ptrdiff_t> seen;
-  for (std::size_t t = 0; t < places.size(); ++t)
-    for (int j = 0; j < kTile; ++j) {
-      const unsigned char* row = outliers.data() + t * kTilePixels + static_cast<std::size_t>(j) * kTile;
-      if (!any_in_row(row)) continue;
-      for (int i = 0; i < kTile; ++i)
-        if (row[i] != 0) {
-          seen.push_back(row_of(places[t], j) + i);
-          map[static_cast<std::size_t>(seen.back())] = kOutlier;
-        }
-    }
-  for (const std::ptrdiff_t p : seen) {
-    int together = -1;
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx)
-        together += map[static_cast<std::size_t>(p + dy * width + dx)] & kOutlier;
-    if (together < 2) continue;
-    for (int dy = -margin; dy <= margin; ++dy)
-      for (int dx = -margin; dx <= margin; ++dx)
-        if (dx * dx + dy * dy <= reach * reach) map[static_cast<std::size_t>(p + dy * width + dx)] |= kNearby;
-  }
+  each([](unsigned char outlier, unsigned char& place) { place = outlier != 0; });
+  cv::Mat around, together, disc(2 * kEdge + 1, 2 * kEdge + 1, CV_8U, cv::Scalar(0));
+  cv::boxFilter(map, around, -1, {3, 3}, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::min(map, around >= 3, together);
+  cv::circle(disc, {kEdge, kEdge}, kEdge, cv::Scalar(1), cv::FILLED);
+  cv::dilate(together, together, disc);
+  map |= together;
   std::size_t count = 0;
-  for (std::size_t t = 0; t < places.size(); ++t)
-    for (int j = 0; j < kTile; ++j) {
-      unsigned char* row = outliers.data() + t * kTilePixels + static_cast<std::size_t>(j) * kTile;
-      const unsigned char* from = map.data() + row_of(places[t], j);
-      if (!any_in_row(from)) continue;
-      for (int i = 0; i < kTile; ++i) {
-        row[i] = from[i] != 0;
-        count += row[i];
-      }
-    }
+  each([&](unsigned char& outlier, unsigned char place) { count += outlier = place; });
   return count;
 }
 

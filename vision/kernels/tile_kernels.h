@@ -1,10 +1,12 @@
-// The arithmetic of registration over tiles of 8 x 8 pixels, compiled for several instruction sets and chosen
-// at run time. Arrays hold 64 numbers per tile, row after row; one row of a tile is one vector.
+// The arithmetic of registration over tiles of 8 x 8 pixels, in the processor's vectors. Arrays hold 64
+// numbers per tile, row after row; one row of a tile is one vector.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <vector>
+
+#include "vision/picture.h"
 
 namespace tribotrack::vision {
 
@@ -36,11 +38,6 @@ struct ForceSums {
   double squares = 0, weight = 0, largest = 0;
 };
 
-/// Pixels with a weight, and those of them with a small residual.
-struct ResidualCounts {
-  std::size_t counted = 0, small = 0;
-};
-
 /// Sums of w, w v, w l, w v^2, w l^2, w v l.
 struct CorrelationSums {
   double w = 0, v = 0, l = 0, vv = 0, ll = 0, vl = 0;
@@ -49,29 +46,23 @@ struct CorrelationSums {
 /// Sums of w J_i J_j, i <= j, row after row of the upper triangle: 10 numbers for 4 columns, 15 for 5.
 using NormalSums = std::array<double, 15>;
 
-struct TileKernels {
-  const char* name;
-  /// Value (less `pivot`) and, where slopes is set, slopes of a spline in every tile. `corners[t]` is the
-  /// coefficient at the whole pixel below tile t's first place; rows are `stride` apart.
-  void (*sample)(const std::vector<const float*>& corners, std::ptrdiff_t stride, const SplineTaps& taps,
-                 float pivot, bool slopes, TileArrays& arrays);
-  ForceSums (*force)(const TileArrays& arrays, float a, float b);
-  NormalSums (*normal)(const TileArrays& arrays);
-  /// The same over each tile.
-  void (*normals)(const TileArrays& arrays, std::vector<NormalSums>& out);
-  /// |r| of each pixel, 0 where `weight` is; small ones are not larger than `small`.
-  ResidualCounts (*residuals)(const TileArrays& arrays, const std::vector<float>& weight, float a, float b,
-                              float small, std::vector<float>& out);
-  /// 1 where a residual is larger than `limit`, else 0.
-  void (*mark)(const std::vector<float>& residuals, float limit, std::vector<unsigned char>& out);
-  /// Sums of w J r over each tile, 0 for columns that are not there.
-  void (*scores)(const TileArrays& arrays, float a, float b, std::vector<std::array<double, 5>>& out);
-  CorrelationSums (*correlation)(const TileArrays& arrays, const std::vector<float>& weight);
-};
-
-/// The fastest this processor can run.
-const TileKernels& tile_kernels();
-/// All it can run, slowest first: what tests compare.
-std::vector<TileKernels> all_tile_kernels();
+/// Value (less `pivot`) and, where slopes is set, slopes of a spline in every tile. `corners[t]` is the
+/// coefficient at the whole pixel below tile t's first place; rows are `stride` apart.
+void sample_tiles(const std::vector<const float*>& corners, std::ptrdiff_t stride, const SplineTaps& taps,
+                  float pivot, bool slopes, TileArrays& arrays);
+/// Levels less `pivot` of the picture's pixels under tiles, whose first pixels lie (left, top) further in it;
+/// beyond the picture levels and weights become 0. Whether all of them lie in it.
+bool take_levels(const Picture& picture, int left, int top, const std::vector<TilePlace>& tiles, float pivot,
+                 std::vector<float>& level, std::vector<float>& weight);
+/// Over the tiles `tile` .. `end` - 1, as the next; the force of a column that is not there is 0.
+ForceSums force_sums(const TileArrays& arrays, float a, float b, std::size_t tile, std::size_t end);
+inline ForceSums force_sums(const TileArrays& arrays, float a, float b) {
+  return force_sums(arrays, a, b, 0, arrays.tiles);
+}
+NormalSums normal_sums(const TileArrays& arrays, std::size_t tile, std::size_t end);
+inline NormalSums normal_sums(const TileArrays& arrays) {
+  return normal_sums(arrays, 0, arrays.tiles);
+}
+CorrelationSums correlation_sums(const TileArrays& arrays, const std::vector<float>& weight);
 
 }  // namespace tribotrack::vision

@@ -45,16 +45,18 @@ PartPictures as_shown(const KeptWindow& window, int half, double radius, double 
 class Learning {
  public:
   Learning(std::vector<KeptWindow>& windows, GroundPicture& ground, LayeredRegistration& registration,
-           const LearningOptions& options)
+           const FirstPassResult& first, double hidden, int threads)
       : windows_(windows),
         ground_(ground),
         registration_(registration),
-        options_(options),
+        first_(first),
+        hidden_(hidden),
+        threads_(threads),
         fixes_(windows.size()),
         explained_(windows.size(), true) {
-    const int half = layered_half(options.radius, options.blur);
-    out_.part = as_shown(windows[windows.size() / 2], half, options.radius, options.blur, ground.mean());
-    prior_share_ = blurred_rim(half, options.radius, options.blur);
+    const int half = layered_half(first.disc.radius, first.blur);
+    out_.part = as_shown(windows[windows.size() / 2], half, first.disc.radius, first.blur, ground.mean());
+    prior_share_ = blurred_rim(half, first.disc.radius, first.blur);
   }
 
   LearntPart run() {
@@ -73,7 +75,6 @@ class Learning {
  private:
   void look_at_few();
   void look_at_all();
-  std::vector<const KeptWindow*> explained_windows() const;
   void rounds(int most, bool look_for_light);
   void learn_pictures();
   void see_ground();
@@ -85,7 +86,9 @@ class Learning {
   std::vector<std::size_t> active_;  ///< places of the windows at work
   GroundPicture& ground_;
   LayeredRegistration& registration_;
-  const LearningOptions& options_;
+  const FirstPassResult& first_;
+  double hidden_;
+  int threads_;
   Picture prior_share_;
   std::vector<std::optional<LayeredFix>> fixes_;  ///< of the last measurement, by the window's place
   std::vector<bool> explained_;
@@ -102,13 +105,6 @@ void Learning::look_at_few() {
 void Learning::look_at_all() {
   active_.resize(windows_.size());
   std::iota(active_.begin(), active_.end(), std::size_t{0});
-}
-
-std::vector<const KeptWindow*> Learning::explained_windows() const {
-  std::vector<const KeptWindow*> out;
-  for (const std::size_t k : active_)
-    if (explained_[k]) out.push_back(&windows_[k]);
-  return out;
 }
 
 /// Until what further rounds would move is lost in the noise.
@@ -134,27 +130,28 @@ void Learning::rounds(int most, bool look_for_light) {
 }
 
 void Learning::learn_pictures() {
-  const std::vector<const KeptWindow*> windows = explained_windows();
-  PartRegression regression(out_.part, ground_);
-  regression.add(windows, out_.rounds > kFirstFine, options_.threads);
-  out_.part = regression.solve(options_.noise_variance, prior_share_);
+  std::vector<const KeptWindow*> windows;
+  for (const std::size_t k : active_)
+    if (explained_[k]) windows.push_back(&windows_[k]);
+  out_.part = vision::learn_pictures(out_.part, ground_, windows, out_.rounds > kFirstFine,
+                                     first_.noise_variance, prior_share_, threads_);
   registration_.set_part(out_.part, static_cast<double>(active_.size()));
 }
 
 void Learning::see_ground() {
   std::vector<const KeptWindow*> windows;
   for (const std::size_t k : active_) windows.push_back(&windows_[k]);
-  ground_.see_beside(windows, out_.part, options_.hidden, options_.noise_variance, options_.threads);
+  ground_.see_beside(windows, out_.part, hidden_, first_.noise_variance, threads_);
 }
 
 /// Where each window shows the part by the pictures as they stand; windows keep their states.
 void Learning::refine_windows(bool look_for_light) {
-  std::vector<LayeredRegistration> registrations(static_cast<std::size_t>(std::max(1, options_.threads)),
+  std::vector<LayeredRegistration> registrations(static_cast<std::size_t>(std::max(1, threads_)),
                                                  registration_);
-  parallel_for(active_.size(), options_.threads, [&](std::size_t i, std::size_t worker) {
+  parallel_for(active_.size(), threads_, [&](std::size_t i, std::size_t worker) {
     const KeptWindow& w = windows_[active_[i]];
     const LightPrior light =
-        look_for_light ? LightPrior{0, 0, kWeakSlope / options_.radius} : out_.light.at(w.state.centre);
+        look_for_light ? LightPrior{0, 0, kWeakSlope / first_.disc.radius} : out_.light.at(w.state.centre);
     fixes_[active_[i]] = registrations[worker].refine(w.picture, w.x, w.y, w.state, light);
   });
 }
@@ -200,8 +197,9 @@ void Learning::learn_light() {
 }  // namespace
 
 LearntPart learn_part(std::vector<KeptWindow>& windows, GroundPicture& ground,
-                      LayeredRegistration& registration, const LearningOptions& options) {
-  return Learning(windows, ground, registration, options).run();
+                      LayeredRegistration& registration, const FirstPassResult& first, double hidden,
+                      int threads) {
+  return Learning(windows, ground, registration, first, hidden, threads).run();
 }
 
 }  // namespace tribotrack::vision

@@ -8,6 +8,7 @@
 
 #include "vision/layers/model/light.h"
 #include "vision/layers/registration/registration.h"
+#include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {
 
@@ -20,16 +21,11 @@ struct LearntPart {
   std::size_t explained = 0;  ///< windows
 };
 
-struct LearningOptions {
-  double radius = 0, blur = 1;  ///< of the rim, px
-  double noise_variance = 1;    ///< of the frames
-  double hidden = 0;            ///< px about the part within which no ground has been seen yet
-  int threads = 1;              ///< the result is the same for any number
-};
-
-/// Changes the windows' states, and tells the ground what is seen of it beside the part. `registration` is
+/// Changes the windows' states, and tells the ground what is seen of it beside the part: within `hidden` px
+/// of the part none has been seen yet. The result is the same for any number of threads. `registration` is
 /// left with the pictures learnt.
 LearntPart learn_part(std::vector<KeptWindow>& windows, GroundPicture& ground,
-                      LayeredRegistration& registration, const LearningOptions& options);
+                      LayeredRegistration& registration, const FirstPassResult& first, double hidden,
+                      int threads);
 
 }  // namespace tribotrack::vision

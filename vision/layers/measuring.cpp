@@ -2,17 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <mutex>
-#include <numbers>
 #include <utility>
 
 #include "vision/audit/halves.h"
 #include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 #include "vision/kernels/parallel.h"
-#include "vision/layers/evidence.h"
-#include "vision/layers/pictures.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -126,21 +122,6 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
   return out;
 }
 
-double frame_noise(const std::vector<TimedPoint>& track) {
-  std::vector<double> squares;
-  for (std::size_t k = 3; k < track.size(); ++k) {
-    if (track[k].frame - track[k - 3].frame != 3) continue;
-    const auto third = [&](double Point::*c) {
-      return track[k].place.*c - 3 * track[k - 1].place.*c + 3 * track[k - 2].place.*c -
-             track[k - 3].place.*c;
-    };
-    squares.push_back(std::pow(third(&Point::x), 2) + std::pow(third(&Point::y), 2));
-  }
-  if (squares.empty()) return std::numeric_limits<double>::infinity();
-  // The square of a normal vector in the plane has its median at 2 ln 2 of the variance of a coordinate.
-  return std::sqrt(median(squares) / (2 * std::numbers::ln2 * 20));
-}
-
 namespace {
 
 constexpr double kBeyond = 2;  ///< px shown about the part's grid
@@ -164,34 +145,33 @@ Picture ground_levels(const GroundPicture& ground) {
 }
 
 /// The model of state.h over a window of the camera.
-Picture predicted(const LearntLayers& layers, const LayeredState& state, const Rect& window) {
-  const QuinticSpline level(layers.part.level), share(layers.part.share);
-  const Rect& region = layers.ground.region();
-  const double half = layers.part.half;
+Picture predicted(const PartPictures& part, const GroundPicture& ground, const LayeredState& state,
+                  const Rect& window) {
+  const QuinticSpline level(part.level), share(part.share);
+  const Rect& region = ground.region();
+  const double half = part.half;
   Picture out(window.width, window.height);
   for (int y = 0; y < window.height; ++y)
     for (int x = 0; x < window.width; ++x) {
       const double u = window.x + x - state.centre.x, v = window.y + y - state.centre.y;
-      const SplineSample ground = layers.ground.spline().sample(window.x + x - state.ground.x - region.x,
-                                                                window.y + y - state.ground.y - region.y);
+      const SplineSample below = ground.spline().sample(window.x + x - state.ground.x - region.x,
+                                                        window.y + y - state.ground.y - region.y);
       const bool on_grid = std::abs(u) <= half && std::abs(v) <= half;
-      const double part = on_grid ? level.value(half + u, half + v) : layers.ground.mean();
+      const double own = on_grid ? level.value(half + u, half + v) : ground.mean();
       const SplineSample shows = on_grid ? share.sample(half + u, half + v) : SplineSample{1, 0, 0};
-      const double blended =
-          layers.part.blend * (shows.slope_x * ground.slope_x + shows.slope_y * ground.slope_y);
-      const double shine = state.gain * (1 + state.slope_x * u + state.slope_y * v),
-                   mean = layers.ground.mean();
-      out.at(x, y) = static_cast<float>(shine * (part - shows.value * mean) +
-                                        state.ground_gain * (shows.value * (ground.value + mean) + blended));
+      const double blended = part.blend * (shows.slope_x * below.slope_x + shows.slope_y * below.slope_y);
+      const double shine = state.gain * (1 + state.slope_x * u + state.slope_y * v), mean = ground.mean();
+      out.at(x, y) = static_cast<float>(shine * (own - shows.value * mean) +
+                                        state.ground_gain * (shows.value * (below.value + mean) + blended));
     }
   return out;
 }
 
 }  // namespace
 
-void show_layers(const LearntLayers& layers, DebugSink& sink) {
-  const double half = layers.part.half;
-  const Rect& region = layers.ground.region();
+void show_layers(const PartPictures& part, const GroundPicture& ground, DebugSink& sink) {
+  const double half = part.half;
+  const Rect& region = ground.region();
   const auto on_part = [&](const char* name, const char* title, Picture levels, const char* unit) {
     sink.show(StagePicture{.name = name,
                            .title = title,
@@ -200,33 +180,32 @@ void show_layers(const LearntLayers& layers, DebugSink& sink) {
                            .first = {-half, -half},
                            .place = "from the part's centre"});
   };
-  on_part("layers_part", "the part learnt, on ground of mean level", layers.part.level, "grey levels");
-  on_part("layers_share", "share of the ground that shows", layers.part.share, "share");
-  on_part("layers_part_sd", "standard deviation left unexplained", square_roots(layers.part.variance),
+  on_part("layers_part", "the part learnt, on ground of mean level", part.level, "grey levels");
+  on_part("layers_share", "share of the ground that shows", part.share, "share");
+  on_part("layers_part_sd", "standard deviation left unexplained", square_roots(part.variance),
           "grey levels");
-  on_part("layers_weights", "pixels about the part that are used", layers.chosen, "weight");
   sink.show(StagePicture{.name = "layers_ground",
                          .title = "the background learnt (the platform)",
-                         .levels = ground_levels(layers.ground),
+                         .levels = ground_levels(ground),
                          .first = first_of(region),
                          .place = "of the platform"});
   sink.show(StagePicture{.name = "layers_ground_sd",
                          .title = "standard deviation of the background",
-                         .levels = square_roots(layers.ground.variance()),
+                         .levels = square_roots(ground.variance()),
                          .first = first_of(region),
                          .place = "of the platform"});
 }
 
-void show_layered_frame(const LearntLayers& layers, const LayeredState& state, const ShownFrame& shown,
-                        FrameSource& source, DebugSink& sink) {
-  const Rect window = window_about(state.centre, layers.part.half + kBeyond, source.bounds());
+void show_layered_frame(const PartPictures& part, const GroundPicture& ground, const LayeredState& state,
+                        const ShownFrame& shown, FrameSource& source, DebugSink& sink) {
+  const Rect window = window_about(state.centre, part.half + kBeyond, source.bounds());
   Picture seen;
   source.read(shown.index, window, seen);
   StagePicture model{.name = "layers_predicted",
                      .title = "part over background at the measured place",
                      .frame = source.number(shown.index),
                      .why_frame = shown.why,
-                     .levels = predicted(layers, state, window),
+                     .levels = predicted(part, ground, state, window),
                      .first = first_of(window),
                      .place = "of the camera"};
   StagePicture residual = model;

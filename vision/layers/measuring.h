@@ -10,6 +10,7 @@
 #include "vision/layers/first_pass.h"
 #include "vision/layers/learning.h"
 #include "vision/layers/registration/registration.h"
+#include "vision/stages/debug_pictures.h"
 
 namespace tribotrack::vision {
 
@@ -27,5 +28,15 @@ struct MeasuredFrames {
 MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
                               const LayeredRegistration& registration, const LearntPart& learnt, int threads,
                               const std::function<void(std::int64_t done)>& progress);
+
+// Pictures of the learnt layers for debugging.
+
+/// Part, share of the ground, standard deviation that is left, ground and its
+/// standard deviation.
+void show_layers(const PartPictures& part, const GroundPicture& ground, DebugSink& sink);
+
+/// Prediction and residual of a frame in its measured state; reads it again.
+void show_layered_frame(const PartPictures& part, const GroundPicture& ground, const LayeredState& state,
+                        const ShownFrame& shown, FrameSource& source, DebugSink& sink);
 
 }  // namespace tribotrack::vision

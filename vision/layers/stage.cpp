@@ -6,17 +6,25 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <utility>
 
+#include "vision/discs/disc_detection.h"
 #include "vision/io/levels.h"
 #include "vision/kernels/median.h"
-#include "vision/layers/pass.h"
+#include "vision/layers/measuring.h"
+#include "vision/layers/windows.h"
 
 namespace tribotrack::vision {
 namespace {
 
 constexpr const char* kName = "layers: part over platform";
-constexpr double kNegligible = 1;   ///< of the noise: a ground that moves a position by less is not learnt
-constexpr double kExplained = 0.1;  ///< of the noise: what may be left where a template explains the part
+constexpr double kNegligible = 1;     ///< of the noise: a ground that moves a position by less is not learnt
+constexpr std::size_t kFewest = 12;   ///< frames to learn from
+constexpr int kContext = 6;           ///< px kept beyond the part's grid
+constexpr int kTaper = 4;             ///< px of the grid in which ground is taken to be uncovered
+constexpr double kFewestKnown = 0.2;  ///< share of the ground that must be seen beside the part's grid
+constexpr double kClear = 6;          ///< blurs beside the rim
+constexpr double kExplained = 0.1;    ///< of the noise: what may be left where a template explains the part
 
 std::string finding(const FirstPassResult& first) {
   return fmt::format(
@@ -67,46 +75,120 @@ std::optional<PlanStage> reason_against(const FirstPassResult& first, const Trac
   return stage;
 }
 
-/// The frames in which the part, and the marker where there is one, were found.
-struct SeenFrames {
-  std::vector<FirstPassFrame> frames;
-  std::vector<std::size_t> places;  ///< in the track
+class LayeredPass {
+ public:
+  LayeredPass(FrameSource& source, const std::vector<FirstPassFrame>& frames, const FirstPassResult& first,
+              const TrackOptions& options, const std::vector<ShownFrame>& shown, StageClock& clock)
+      : source_(source),
+        frames_(frames),
+        first_(first),
+        options_(options),
+        shown_(shown),
+        clock_(clock),
+        hidden_(layered_half(first.disc.radius, first.blur) - kTaper),
+        learning_frames_(source, frames, first, layered_reach(first.disc.radius, first.blur), hidden_),
+        ground_(learning_frames_.region()),
+        registration_(ground_) {}
+
+  /// False where hardly any frame is explained.
+  bool run() {
+    keep_windows();
+    learn();
+    if (learnt_.explained < kFewest) return false;
+    measure();
+    show();
+    take_centre_of_rim();
+    return true;
+  }
+  std::vector<std::optional<LayeredFix>>& fixes() { return measured_.fixes; }
+  /// All but what depends on the track.
+  LayeredOutcome outcome();
+  std::string summary() const {
+    return fmt::format("learnt from {} frames in {} rounds; {:.4f} px of the errors change slowly",
+                       kept_.size(), learnt_.rounds, measured_.slow_sd);
+  }
+  std::size_t windows() const { return kept_.size(); }
+  double slow_frames() const { return measured_.slow_frames; }
+
+ private:
+  void keep_windows();
+  void learn();
+  void measure();
+  void take_centre_of_rim();
+  void show();
+
+  FrameSource& source_;
+  const std::vector<FirstPassFrame>& frames_;
+  const FirstPassResult& first_;
+  const TrackOptions& options_;
+  const std::vector<ShownFrame>& shown_;
+  StageClock& clock_;
+  double hidden_;  ///< px about the part within which there is no ground
+  LearningFrames learning_frames_;
+  GroundPicture ground_;
+  std::vector<KeptWindow> kept_;
+  LayeredRegistration registration_;
+  LearntPart learnt_;
+  MeasuredFrames measured_;
+  double disc_radius_ = 0, disc_radius_sd_ = 0;  ///< of the averaged picture; 0 where it shows no circle
 };
 
-SeenFrames seen_frames(const Track& track, const FirstPassResult& first) {
-  SeenFrames seen;
-  const MarkerPoint* origin = nullptr;
-  for (std::size_t k = 0; k < track.points.size(); ++k) {
-    const TrackPoint& p = track.points[k];
-    if (p.status != TrackStatus::ok || (track.has_marker && !p.marker)) continue;
-    FirstPassFrame f;
-    f.index = first.first_index + static_cast<std::int64_t>(k);
-    f.centre = {p.x, p.y};
-    if (p.marker) {
-      if (!origin) origin = &*p.marker;
-      f.ground = {p.marker->x - origin->x, p.marker->y - origin->y};
-    }
-    seen.frames.push_back(f);
-    seen.places.push_back(k);
-  }
-  return seen;
+void LayeredPass::keep_windows() {
+  const auto running = clock_.enter(Stage::layers_learning);
+  kept_ = learning_frames_.read(ground_);
+  // A picture that holds little more than the part shows its ground beside it only, in what shadow there is.
+  if (ground_.known_share() >= kFewestKnown) return;
+  hidden_ = first_.disc.radius + kClear * first_.blur;
+  learning_frames_.read_ground(ground_, hidden_);
 }
 
-LayeredOptions options_of(const FirstPassResult& first, const TrackOptions& options,
-                          const std::vector<ShownFrame>& shown) {
-  LayeredOptions out;
-  out.disc = first.disc;
-  out.blur = first.blur;
-  out.noise_variance = first.noise_variance;
-  out.first_index = first.first_index;
-  out.total = first.total;
-  if (options.progress)
-    out.progress = [&progress = options.progress, total = first.total](std::int64_t done) {
-      progress((total + done) / 2, total);
-    };
-  out.threads = options.threads;
-  out.debug = options.debug;
-  out.shown = shown;
+void LayeredPass::learn() {
+  const auto running = clock_.enter(Stage::layers_learning);
+  learnt_ = learn_part(kept_, ground_, registration_, first_, hidden_, options_.threads);
+}
+
+void LayeredPass::measure() {
+  const auto running = clock_.enter(Stage::layers_measuring);
+  measured_ =
+      measure_frames(source_, frames_, registration_, learnt_, options_.threads, [this](std::int64_t done) {
+        if (options_.progress) options_.progress((first_.total + done) / 2, first_.total);
+      });
+}
+
+/// Positions are those of the rim's centre, and the radius is that of the averaged picture.
+void LayeredPass::take_centre_of_rim() {
+  const double half = learnt_.part.half;
+  const auto rim = fit_disc(learnt_.part.level, {half, half, first_.disc.radius}, 2);
+  if (!rim) return;
+  for (auto& fix : measured_.fixes) {
+    if (!fix) continue;
+    fix->state.centre.x += rim->circle.x - half;
+    fix->state.centre.y += rim->circle.y - half;
+  }
+  disc_radius_ = rim->circle.radius;
+  disc_radius_sd_ = rim->radius_sd;
+}
+
+/// To the debug sink: the layers, and the frames chosen for it.
+void LayeredPass::show() {
+  if (!options_.debug) return;
+  const auto running = clock_.enter(Stage::debug_pictures);
+  show_layers(learnt_.part, ground_, *options_.debug);
+  for (std::size_t k = 0; k < frames_.size(); ++k) {
+    const auto shown = std::ranges::find(shown_, frames_[k].index, &ShownFrame::index);
+    const auto& fix = measured_.fixes[k];
+    if (shown != shown_.end() && fix)
+      show_layered_frame(learnt_.part, ground_, fix->state, *shown, source_, *options_.debug);
+  }
+}
+
+LayeredOutcome LayeredPass::outcome() {
+  LayeredOutcome out;
+  out.done = true;
+  out.slow_sd = measured_.slow_sd;
+  out.audited = std::move(measured_.audited);
+  out.disc_radius = disc_radius_;
+  out.disc_radius_sd = disc_radius_sd_;
   return out;
 }
 
@@ -167,19 +249,14 @@ double correlation_time(double frames, const Track& track) {
   return frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
 }
 
-PlanStage layers_stage(const LayeredResult& result, const FirstPassResult& first, double moved) {
-  std::string reason =
-      finding(first) + fmt::format("; learnt from {} frames in {} rounds", result.windows, result.rounds);
-  if (result.crossed_share > 0)
-    reason += fmt::format("; {:.2g} % of the ground beside it was crossed by something, which is left out",
-                          100 * result.crossed_share);
-  reason += "; noise from frame to frame: " + result.noise;
+PlanStage layers_stage(const LayeredPass& pass, const FirstPassResult& first, double moved) {
+  std::string reason = finding(first) + "; " + pass.summary();
   reason += fmt::format("; positions moved by {:.4f} px rms", moved);
   // Of what the frames tell at a place its share of the ground and the ground there take one frame's each.
   reason += fmt::format(
       "; what frames share through the noise of the pictures, some {:.1f} % of a position's variance, is not "
       "counted between them",
-      200.0 / std::max(1, result.windows));
+      200.0 / static_cast<double>(std::max<std::size_t>(1, pass.windows())));
   return {.name = kName, .on = true, .reason = std::move(reason), .error_bound_px = moved};
 }
 
@@ -193,6 +270,23 @@ std::string kept_warning(std::int64_t frames) {
 
 }  // namespace
 
+bool is_learning_frame(std::int64_t place, std::int64_t total) {
+  if (total <= kLearningFrames) return true;
+  const std::int64_t last = total - 1, parts = kLearningFrames - 1;
+  const std::int64_t next = (place * parts + last - 1) / last;  // the first that does not lie before it
+  return next * last / parts == place;
+}
+
+int layered_half(double radius, double blur) {
+  // The rim's blur, and a shadow: of a part a quarter of its radius high, a lamp at 45 degrees throws one of
+  // a quarter of the radius.
+  return static_cast<int>(std::ceil(radius * 1.25 + 4 * blur)) + kTaper;
+}
+
+double layered_reach(double radius, double blur) {
+  return layered_half(radius, blur) + kContext;
+}
+
 bool layers_wanted(const FirstPassResult& first, Layers layers) {
   return layers != Layers::off && first.blur > 0;
 }
@@ -204,22 +298,17 @@ LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, 
     outcome.plan.push_back(std::move(*reason));
     return outcome;
   }
-  const SeenFrames seen = seen_frames(track, first);
-  const LayeredResult result = layered_pass(source, seen.frames, options_of(first, options, shown), clock);
-  if (result.fixes.empty()) return left_out(result.why_not + "; " + finding(first));
-  const Change change = replace_positions(track, seen.places, result.fixes);
+  const SeenFrames seen = seen_frames(track, first.first_index, true);
+  if (seen.frames.size() < kFewest)
+    return left_out("too few frames to learn the layers from; " + finding(first));
+  LayeredPass pass(source, seen.frames, first, options, shown, clock);
+  if (!pass.run()) return left_out("the pictures learnt explain hardly any frame; " + finding(first));
+  const Change change = replace_positions(track, seen.places, pass.fixes());
   if (change.measured == 0) return left_out("the layers explain no frame; " + finding(first));
-
-  LayeredOutcome outcome;
-  outcome.done = true;
+  LayeredOutcome outcome = pass.outcome();
   outcome.limit_px = change.median_sd;
-  outcome.ground_known = result.ground_known;
-  outcome.slow_sd = result.slow_sd;
-  outcome.audited = result.audited;
-  outcome.slow_time = correlation_time(result.slow_frames, track);
-  outcome.disc_radius = result.disc_radius;
-  outcome.disc_radius_sd = result.disc_radius_sd;
-  outcome.plan = {layers_stage(result, first, change.moved)};
+  outcome.slow_time = correlation_time(pass.slow_frames(), track);
+  outcome.plan = {layers_stage(pass, first, change.moved)};
   if (change.kept > 0) outcome.warnings.push_back(kept_warning(change.kept));
   return outcome;
 }

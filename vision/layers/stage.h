@@ -1,4 +1,11 @@
-// The layered second pass as a stage of tracking: whether it pays, and what it changes in a track.
+// The second pass, the part's own pictures over the ground's, learnt from the recording itself: whether it
+// pays, and what it changes in a track.
+//
+// To a first pass with a single template the ground seen through the rim, the part's shadow and whatever
+// turns in it look like motion. This pass keeps a bounded number of windows spread over the recording, learns
+// from them the ground's picture and the part's (model/state.h), and then measures every frame again. Reads
+// the recording forwards, once for what is learnt and once to measure; of a decoded recording mostly what the
+// first pass has cached (FramesReadAgain). Memory does not grow with its length.
 #pragma once
 
 #include <string>
@@ -14,8 +21,7 @@ namespace tribotrack::vision {
 
 /// What the stage found out, for the track's summary.
 struct LayeredOutcome {
-  bool ground_known = true;  ///< else what the rim borders on changes from frame to frame
-  bool done = false;         ///< else the track is as it was, and only the plan is filled
+  bool done = false;  ///< else the track is as it was, and only the plan is filled
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
   double limit_px = 0;                         ///< median standard deviation of a coordinate

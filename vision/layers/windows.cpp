@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <opencv2/core.hpp>
 
 #include "vision/io/levels.h"
 #include "vision/layers/model/ground.h"
@@ -18,17 +17,14 @@ constexpr double kFewestGround = 12;   ///< frames spread over the recording
 constexpr double kStep = 0.5;          ///< px: the least step of a part that moves
 constexpr double kGroundBytes = 40;    ///< per px: the platform's pictures, those of a moment included
 constexpr double kFewestWindows = 16;
-constexpr double kUsualBytes = 24e6;  ///< of frames that tell what a place usually shows
-constexpr double kFewestUsual = 7, kMostUsual = 15;
-constexpr double kHeldSd = 5;  ///< what is further off crosses the ground
 
 /// Places in `frames` of those that are spread over the whole recording, and read whole by the first pass
 /// where it is decoded; all where too few of them show the part.
 std::vector<std::size_t> spread_in_time(const std::vector<FirstPassFrame>& frames,
-                                        const LayeredOptions& options) {
+                                        const FirstPassResult& first) {
   std::vector<std::size_t> spread;
   for (std::size_t k = 0; k < frames.size(); ++k)
-    if (is_learning_frame(frames[k].index - options.first_index, options.total)) spread.push_back(k);
+    if (is_learning_frame(frames[k].index - first.first_index, first.total)) spread.push_back(k);
   if (static_cast<double>(spread.size()) >= kFewestGround) return spread;
   spread.resize(frames.size());
   std::iota(spread.begin(), spread.end(), std::size_t{0});
@@ -51,51 +47,20 @@ std::vector<double> way(const std::vector<FirstPassFrame>& frames) {
   return out;
 }
 
-/// Places in `frames` of those to learn from, `most` at most: every other one spread over the time, the rest
-/// over the way, for a part that moves looks different from one at rest (light, coder, blur).
-std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frames, std::size_t most,
-                                        const LayeredOptions& options) {
-  std::vector<std::size_t> spread;
-  if (frames.size() <= most) {
-    spread.resize(frames.size());
-    std::iota(spread.begin(), spread.end(), std::size_t{0});
-    return spread;
-  }
-  spread = spread_in_time(frames, options);
+/// Places in `frames` of those to learn from, `most` at most: even in time and way alike, for a part that
+/// moves looks different from one at rest (light, coder, blur).
+std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frames, std::size_t most) {
   const std::vector<double> gone = way(frames);
-  std::vector<bool> taken(frames.size(), false);
-  const auto in_time = std::min(most / 2, spread.size());
-  for (std::size_t k = 0; k < in_time; ++k)
-    taken[spread[in_time > 1 ? k * (spread.size() - 1) / (in_time - 1) : 0]] = true;
-  // Then the way, and where that has no more frames to give, the time again.
-  std::size_t left = most - static_cast<std::size_t>(std::ranges::count(taken, true));
-  for (std::size_t k = 0, parts = left; k < parts && gone.back() > 0; ++k) {
-    const double at = gone.back() * (static_cast<double>(k) + 0.5) / static_cast<double>(parts);
-    const auto place = static_cast<std::size_t>(std::ranges::lower_bound(gone, at) - gone.begin());
-    if (place >= frames.size() || taken[place]) continue;
-    taken[place] = true;
-    --left;
-  }
-  for (std::size_t k = 0, parts = left; k < parts; ++k) {
-    std::size_t place = (2 * k + 1) * frames.size() / (2 * parts);
-    while (taken[place]) place = (place + 1) % frames.size();
-    taken[place] = true;
-  }
+  const auto progress = [&](std::size_t k) {
+    const double in_time = static_cast<double>(k) / static_cast<double>(frames.size());
+    return gone.back() > 0 ? 0.5 * (in_time + gone[k] / gone.back()) : in_time;
+  };
   std::vector<std::size_t> chosen;
   for (std::size_t k = 0; k < frames.size(); ++k)
-    if (taken[k]) chosen.push_back(k);
+    if (frames.size() <= most ||
+        progress(k) * static_cast<double>(most) >= static_cast<double>(chosen.size()))
+      chosen.push_back(k);
   return chosen;
-}
-
-/// As at the border, beyond it.
-Picture beyond_border(Picture picture, const Rect& here, const Rect& wider) {
-  const cv::Mat inner(here.height, here.width, CV_32F, picture.levels().data());
-  Picture out(wider.width, wider.height);
-  cv::Mat outer(wider.height, wider.width, CV_32F, out.levels().data());
-  const int left = here.x - wider.x, top = here.y - wider.y;
-  cv::copyMakeBorder(inner, outer, top, wider.height - here.height - top, left,
-                     wider.width - here.width - left, cv::BORDER_REPLICATE);
-  return out;
 }
 
 }  // namespace
@@ -118,10 +83,10 @@ Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& 
 }
 
 LearningFrames::LearningFrames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                               const LayeredOptions& options, double reach, double hidden)
+                               const FirstPassResult& first, double reach, double hidden)
     : source_(source),
       frames_(frames),
-      options_(options),
+      first_(first),
       reach_(reach),
       hidden_(hidden),
       region_(swath(frames, reach, source.bounds())),
@@ -132,9 +97,9 @@ LearningFrames::LearningFrames(FrameSource& source, const std::vector<FirstPassF
   // The platform's pictures live beside the windows.
   const double room = kKeptBytes - kGroundBytes * area;
   const double most = std::min<double>(kLearningFrames, room / window_bytes);
-  chosen_ = choose_windows(frames, static_cast<std::size_t>(std::max(kFewestWindows, most)), options);
+  chosen_ = choose_windows(frames, static_cast<std::size_t>(std::max(kFewestWindows, most)));
   const double averaged = std::max(kGroundFrames, kGroundPixels / area);
-  const std::vector<std::size_t> spread = spread_in_time(frames, options);
+  const std::vector<std::size_t> spread = spread_in_time(frames, first);
   const auto stride =
       static_cast<std::size_t>(std::max(1.0, std::ceil(static_cast<double>(spread.size()) / averaged)));
   for (std::size_t k = 0; k < spread.size(); k += stride) ground_frames_.push_back(spread[k]);
@@ -166,22 +131,7 @@ void LearningFrames::read_ground(GroundPicture& ground) {
     source_.read(frames_[k].index, read_, wide);
     ground.add(wide, read_.x, read_.y, frames_[k].ground, part_in(frames_[k]));
   }
-  ground.finish(options_.noise_variance);
-}
-
-void LearningFrames::read_uncrossed(GroundPicture& ground) {
-  const double area = static_cast<double>(region_.width) * region_.height;
-  const auto looks = static_cast<std::size_t>(std::clamp(kUsualBytes / (4 * area), kFewestUsual, kMostUsual));
-  const std::size_t apart = std::max<std::size_t>(1, ground_frames_.size() / looks);
-  Picture wide;
-  UsualGround usual(read_);
-  for (std::size_t k = 0; k < ground_frames_.size(); k += apart) {
-    const FirstPassFrame& f = frames_[ground_frames_[k]];
-    source_.read(f.index, read_, wide);
-    usual.add(wide, part_in(f));
-  }
-  ground.hold_to(beyond_border(usual.median(), read_, region_), kHeldSd * std::sqrt(options_.noise_variance));
-  read_ground(ground);
+  ground.finish(first_.noise_variance);
 }
 
 }  // namespace tribotrack::vision

@@ -7,6 +7,7 @@
 #include "vision/layers/first_pass.h"
 #include "vision/layers/model/ground.h"
 #include "vision/layers/model/state.h"
+#include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {
 
@@ -18,8 +19,8 @@ class LearningFrames {
  public:
   /// Keeps references. `reach` px about the part's centre, `hidden` the radius within which there is no
   /// ground.
-  LearningFrames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                 const LayeredOptions& options, double reach, double hidden);
+  LearningFrames(FrameSource& source, const std::vector<FirstPassFrame>& frames, const FirstPassResult& first,
+                 double reach, double hidden);
 
   const Rect& region() const { return region_; }
   std::size_t count() const { return chosen_.size(); }
@@ -28,8 +29,6 @@ class LearningFrames {
   std::vector<KeptWindow> read(GroundPicture& ground);
   /// The ground alone, again, seen from so near to the part.
   void read_ground(GroundPicture& ground, double hidden);
-  /// Ground that something crossed: averaged again from what most frames show.
-  void read_uncrossed(GroundPicture& ground);
 
  private:
   void read_ground(GroundPicture& ground);
@@ -37,7 +36,7 @@ class LearningFrames {
 
   FrameSource& source_;
   const std::vector<FirstPassFrame>& frames_;
-  const LayeredOptions& options_;
+  const FirstPassResult& first_;
   double reach_, hidden_;
   Rect region_, read_;                               ///< the latter of every frame
   std::vector<std::size_t> chosen_, ground_frames_;  ///< of frames_

@@ -6,16 +6,32 @@
 #include <opencv2/imgproc.hpp>
 
 #include "vision/kernels/median.h"
-#include "vision/platform_motion/noise_free.h"
 
 namespace tribotrack::vision {
 namespace {
 
 constexpr int kLargest = 640;  ///< side of a picture, in bins: half a bin stays within a texture's width
-constexpr int kBroad = 33;     ///< bins over which light is smooth
+constexpr int kBroad = 33;     ///< bins or px over which light is smooth
 constexpr float kUsual =
     3 * static_cast<float>(kNormalMad);  ///< of the median size: what is larger is clipped
 constexpr double kFarthest = 0.25;       ///< of the picture's side
+
+/// A header over the picture's own levels, which stay.
+cv::Mat matrix_of(const Picture& p) {
+  return {p.height(), p.width(), CV_32F, const_cast<float*>(p.levels().data())};
+}
+
+/// Where nothing is known nearby: as far away as needed.
+cv::Mat broad_part(const cv::Mat& levels, const cv::Mat& known) {
+  cv::Mat sum, count;
+  cv::blur(levels.mul(known), sum, {kBroad, kBroad});
+  cv::blur(known, count, {kBroad, kBroad});
+  const double share = cv::mean(known)[0];
+  const double mean = share > 0 ? cv::mean(levels.mul(known))[0] / share : 0;
+  // A trace of the mean of all decides where there is nothing else.
+  constexpr double kTrace = 1e-3;
+  return (sum + kTrace * mean) / (count + kTrace);
+}
 
 }  // namespace
 
@@ -23,11 +39,10 @@ CoarseShift::CoarseShift(const Picture& first, const std::vector<Circle>& hidden
     : bin_((std::max(first.width(), first.height()) + kLargest - 1) / kLargest) {
   const cv::Mat levels = texture(first, hidden);
   Picture picture(levels.cols, levels.rows);
-  std::copy(levels.begin<float>(), levels.end<float>(), picture.levels().begin());
+  levels.copyTo(matrix_of(picture));
   const Picture quiet =
       noise_free(picture, Picture(levels.cols, levels.rows, 1), noise_variance / (bin_ * bin_));
-  cv::Mat windowed(levels.size(), CV_32F), hann;
-  std::ranges::copy(quiet.levels(), windowed.begin<float>());
+  cv::Mat windowed = matrix_of(quiet).clone(), hann;
   // Of one picture only: two windows that stay would draw the shift to zero.
   if (levels.cols > 1 && levels.rows > 1) {
     cv::createHanningWindow(hann, levels.size(), CV_32F);
@@ -39,22 +54,13 @@ CoarseShift::CoarseShift(const Picture& first, const std::vector<Circle>& hidden
 /// Mean levels of the bins less what is broad, 0 where hidden.
 cv::Mat CoarseShift::texture(const Picture& picture, const std::vector<Circle>& hidden) const {
   const int width = picture.width() / bin_, height = picture.height() / bin_;
-  cv::Mat levels(height, width, CV_32F, cv::Scalar(0)), there(height, width, CV_32F, cv::Scalar(1));
-  const auto share = static_cast<float>(1.0 / (bin_ * bin_));
-  for (int y = 0; y < height * bin_; ++y) {
-    const auto row = picture.row(y);
-    auto* to = levels.ptr<float>(y / bin_);
-    for (int x = 0; x < width * bin_; ++x) to[x / bin_] += share * row[static_cast<std::size_t>(x)];
-  }
+  cv::Mat levels, there(height, width, CV_32F, cv::Scalar(1));
+  cv::resize(matrix_of(picture)({0, 0, width * bin_, height * bin_}), levels, {width, height}, 0, 0,
+             cv::INTER_AREA);
   for (const Circle& c : hidden)
     cv::circle(there, {static_cast<int>(c.x / bin_), static_cast<int>(c.y / bin_)},
                static_cast<int>(c.radius / bin_) + 1, cv::Scalar(0), cv::FILLED);
-  levels = levels.mul(there);
-  cv::Mat broad, covered;
-  cv::blur(levels, broad, {kBroad, kBroad});
-  cv::blur(there, covered, {kBroad, kBroad});
-  broad /= cv::max(covered, 1e-3F);
-  levels -= broad.mul(there);
+  levels = (levels - broad_part(levels, there)).mul(there);
   std::vector<float> sizes;
   for (auto l = levels.begin<float>(); l != levels.end<float>(); ++l)
     if (*l != 0) sizes.push_back(std::abs(*l));
@@ -88,7 +94,6 @@ Point CoarseShift::of(const Picture& picture, const std::vector<Circle>& hidden)
 
 namespace {
 
-constexpr int kBroadPx = 33;  ///< px over which light is smooth
 constexpr int kFillings = 8;  ///< of what is not known
 constexpr int kReach = 2;     ///< frequencies either way whose power is averaged: 25
 /// Noise alone scatters by a fifth of its mean there: three times that is no noise.
@@ -100,18 +105,6 @@ cv::Mat mean_over_neighbours(const cv::Mat& power) {
   cv::copyMakeBorder(power, grown, kReach, kReach, kReach, kReach, cv::BORDER_WRAP);
   cv::blur(grown, mean, {2 * kReach + 1, 2 * kReach + 1});
   return mean({kReach, kReach, power.cols, power.rows});
-}
-
-/// Where nothing is known nearby: as far away as needed.
-cv::Mat broad_part(const cv::Mat& levels, const cv::Mat& known) {
-  cv::Mat sum, count;
-  cv::blur(levels.mul(known), sum, {kBroadPx, kBroadPx});
-  cv::blur(known, count, {kBroadPx, kBroadPx});
-  const double share = cv::mean(known)[0];
-  const double mean = share > 0 ? cv::mean(levels.mul(known))[0] / share : 0;
-  // A trace of the mean of all decides where there is nothing else.
-  constexpr double kTrace = 1e-3;
-  return (sum + kTrace * mean) / (count + kTrace);
 }
 
 cv::Mat filtered(const cv::Mat& levels, double noise_variance) {
@@ -127,11 +120,6 @@ cv::Mat filtered(const cv::Mat& levels, double noise_variance) {
     }
   cv::dft(spectrum, back, cv::DFT_INVERSE | cv::DFT_SCALE | cv::DFT_REAL_OUTPUT);
   return back;
-}
-
-/// A header over the picture's own levels, which stay.
-cv::Mat matrix_of(const Picture& p) {
-  return {p.height(), p.width(), CV_32F, const_cast<float*>(p.levels().data())};
 }
 
 }  // namespace

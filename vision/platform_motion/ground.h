@@ -2,7 +2,7 @@
 //
 // A frame shows I(x) = a G(x - p) + b(x): G the ground on its own grid, which is that of the first frame's
 // pixels, p its displacement since, a the light's gain and b what light adds, smooth over a block of pixels.
-// Large pictures are cut into fields, and those that hold the most information taken.
+// Of a large picture the window that holds the most information is taken.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,28 +14,23 @@
 
 namespace tribotrack::vision {
 
-/// A part of the ground.
-struct GroundField {
-  Rect place;          ///< on the ground's grid
+struct Ground {
+  Rect place;          ///< of the window that is learnt, on the ground's grid
   Picture mean;        ///< grey levels
   Picture variance;    ///< of a frame's pixel about it, grey levels^2
   Picture seen;        ///< in so many frames; 0 where in too few to be known
   Picture quiet;       ///< the mean freed of its noise
-  QuinticSpline less;  ///< of `quiet` less Ground::level
-};
-
-struct Ground {
-  std::vector<GroundField> fields;
-  float level = 0;  ///< mean, taken off before sums are formed
+  QuinticSpline less;  ///< of `quiet` less `level`
+  float level = 0;     ///< mean, taken off before sums are formed
 };
 
 /// A frame as far as it may show the ground.
 struct GroundFrame {
   std::int64_t index = 0;
-  std::vector<Rect> windows;      ///< of the frame, one per field
-  std::vector<Picture> pictures;  ///< in them
-  std::vector<Circle> hidden;     ///< the part with its shadow, the lamp
-  Point start;                    ///< displacement to refine
+  Rect window;                 ///< of the frame
+  Picture picture;             ///< in it
+  std::vector<Circle> hidden;  ///< the part with its shadow, the lamp
+  Point start;                 ///< displacement to refine
 };
 
 /// How far the ground lies from where it was learnt.

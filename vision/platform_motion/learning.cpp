@@ -1,12 +1,13 @@
 #include "vision/platform_motion/learning.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
-#include "vision/platform_motion/noise_free.h"
+#include "vision/platform_motion/coarse_shift.h"
 #include "vision/platform_motion/registration.h"
 
 namespace tribotrack::vision {
@@ -27,16 +28,16 @@ struct Placed {
   double gain = 1, offset = 0;
 };
 
-/// Sums over frames at one field's places.
-struct FieldSums {
+/// Sums over frames at the ground's places.
+struct Sums {
   Picture sum, squares, count;
-  explicit FieldSums(const Rect& place)
+  explicit Sums(const Rect& place)
       : sum(place.width, place.height),
         squares(place.width, place.height),
         count(place.width, place.height) {}
 };
 
-/// Where a frame's window covers the field, on the field's own grid.
+/// Where a frame's window covers the ground's place, on its grid.
 Rect covered(const Rect& place, const Rect& window, const Point& p) {
   const int left = std::max(0, static_cast<int>(std::ceil(window.x + kBorder - p.x)) - place.x);
   const int top = std::max(0, static_cast<int>(std::ceil(window.y + kBorder - p.y)) - place.y);
@@ -54,13 +55,12 @@ bool hidden_at(const std::vector<Circle>& hidden, double x, double y) {
 }
 
 /// Deviations from `before`, where there is one: outliers from it are left out.
-void add(const Placed& placed, std::size_t f, const Rect& place, const GroundField* before, float outlier,
-         FieldSums& sums) {
-  const Rect& window = placed.frame->windows[f];
+void add(const Placed& placed, const Rect& place, const Ground* before, float outlier, Sums& sums) {
+  const Rect& window = placed.frame->window;
   const Point& p = placed.displacement;
   const Rect r = covered(place, window, p);
   if (r.width == 0 || r.height == 0) return;
-  const QuinticSpline spline(placed.frame->pictures[f]);
+  const QuinticSpline spline(placed.frame->picture);
   std::vector<float> levels(static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height));
   const double x0 = place.x + r.x + p.x, y0 = place.y + r.y + p.y;
   spline.sample_window(x0 - window.x, y0 - window.y, r.width, r.height, levels.data(), nullptr, nullptr);
@@ -86,197 +86,135 @@ void add(const Placed& placed, std::size_t f, const Rect& place, const GroundFie
   }
 }
 
+cv::Mat matrix_of(Picture& p) {
+  return {p.height(), p.width(), CV_32F, p.levels().data()};
+}
+
 /// Mean over 5 x 5 places of what is known: a variance from a hundred frames scatters by a seventh.
-Picture smoothed(const Picture& variance, const Picture& seen) {
-  constexpr int kReach = 2;
-  const int w = variance.width(), h = variance.height();
-  Picture rows(w, h), counts(w, h), out(w, h);
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x)
-      for (int k = std::max(0, x - kReach); k <= std::min(w - 1, x + kReach); ++k)
-        if (seen.at(k, y) > 0) {
-          rows.at(x, y) += variance.at(k, y);
-          counts.at(x, y) += 1;
-        }
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      float sum = 0, count = 0;
-      for (int k = std::max(0, y - kReach); k <= std::min(h - 1, y + kReach); ++k) {
-        sum += rows.at(x, k);
-        count += counts.at(x, k);
-      }
-      out.at(x, y) = count > 0 ? sum / count : 0;
-    }
-  return out;
+void smooth(Picture& variance, Picture& seen) {
+  const cv::Size around(5, 5);
+  cv::Mat known, count, sum, of = matrix_of(variance);
+  cv::threshold(matrix_of(seen), known, 0, 1, cv::THRESH_BINARY);
+  cv::boxFilter(known, count, -1, around, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::boxFilter(of.mul(known), sum, -1, around, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::Mat(sum / cv::max(count, 1)).copyTo(of);
 }
 
 /// 0 beside what is not known, too: slopes there are half a guess.
-Picture well_inside(const Picture& seen) {
-  Picture out = seen;
-  const int w = seen.width(), h = seen.height();
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      if (seen.at(x, y) > 0) continue;
-      for (int v = std::max(0, y - kBorder); v <= std::min(h - 1, y + kBorder); ++v)
-        for (int u = std::max(0, x - kBorder); u <= std::min(w - 1, x + kBorder); ++u) out.at(u, v) = 0;
-    }
-  return out;
+void shrink(Picture& seen) {
+  cv::Mat of = matrix_of(seen);
+  cv::erode(of, of, cv::Mat::ones(2 * kBorder + 1, 2 * kBorder + 1, CV_8U));
 }
 
-GroundField field_from(const Rect& place, const FieldSums& sums, float frames, const GroundField* before,
-                       double noise_variance) {
-  const float fewest = std::max(2.0F, kKnownShare * frames);
-  GroundField field;
-  field.place = place;
-  field.seen = sums.count;
-  field.mean = field.variance = Picture(place.width, place.height);
-  double known = 0, left = 0;
+Ground mean_of(const std::vector<Placed>& frames, const Rect& place, const Ground* before,
+               double noise_variance, float outlier = kOutlier) {
+  Sums sums(place);
+  for (const Placed& p : frames) add(p, place, before, outlier, sums);
+  const float fewest = std::max(2.0F, kKnownShare * static_cast<float>(frames.size()));
+  Ground ground;
+  ground.place = place;
+  ground.seen = sums.count;
+  ground.mean = ground.variance = Picture(place.width, place.height);
+  double known = 0, left = 0, level = 0;
   for (std::size_t i = 0; i < sums.count.levels().size(); ++i) {
     const float n = sums.count.levels()[i];
     if (n < fewest) {
-      field.seen.levels()[i] = 0;
+      ground.seen.levels()[i] = 0;
       continue;
     }
     const double mean = static_cast<double>(sums.sum.levels()[i]) / n;
     const double variance = (static_cast<double>(sums.squares.levels()[i]) - n * mean * mean) / (n - 1);
-    field.mean.levels()[i] = static_cast<float>(mean);
-    field.variance.levels()[i] = static_cast<float>(std::max(variance, noise_variance));
-    left += field.variance.levels()[i] / n;
+    ground.mean.levels()[i] = static_cast<float>(mean);
+    ground.variance.levels()[i] = static_cast<float>(std::max(variance, noise_variance));
+    left += ground.variance.levels()[i] / n;
+    level += mean / static_cast<double>(sums.count.levels().size());
     ++known;
   }
-  field.quiet = known > 0
-                    ? noise_free(field.mean, field.seen, left / known, before ? &before->quiet : nullptr)
-                    : field.mean;
-  field.variance = smoothed(field.variance, field.seen);
-  field.seen = well_inside(field.seen);
-  return field;
-}
-
-Ground mean_of(const std::vector<Placed>& frames, const std::vector<Rect>& places, const Ground* before,
-               double noise_variance, float outlier = kOutlier) {
-  Ground ground;
-  double level = 0;
-  for (std::size_t f = 0; f < places.size(); ++f) {
-    FieldSums sums(places[f]);
-    for (const Placed& p : frames) add(p, f, places[f], before ? &before->fields[f] : nullptr, outlier, sums);
-    ground.fields.push_back(field_from(places[f], sums, static_cast<float>(frames.size()),
-                                       before ? &before->fields[f] : nullptr, noise_variance));
-    const auto levels = ground.fields.back().mean.levels();
-    for (const float l : levels) level += static_cast<double>(l) / static_cast<double>(levels.size());
-  }
-  ground.level = static_cast<float>(level / static_cast<double>(places.size()));
-  for (GroundField& field : ground.fields) {
-    Picture less = field.quiet;
-    for (float& l : less.levels()) l -= ground.level;
-    field.less = QuinticSpline(less);
-  }
+  ground.quiet = known > 0
+                     ? noise_free(ground.mean, ground.seen, left / known, before ? &before->quiet : nullptr)
+                     : ground.mean;
+  smooth(ground.variance, ground.seen);
+  shrink(ground.seen);
+  ground.level = static_cast<float>(level);
+  Picture less = ground.quiet;
+  for (float& l : less.levels()) l -= ground.level;
+  ground.less = QuinticSpline(less);
   return ground;
 }
 
-/// Mean over frames of N^(-1/2) S N^(-1/2), see GroundRegistration.
-class Excess {
- public:
-  void add(const GroundRegistration& r) {
-    const Eigen::Matrix2d root = inverse_root(r.normal());
-    sum_ += root * r.scatter() * root;
-    ++count_;
-  }
-  Eigen::Matrix2d mean() const { return count_ > 0 ? Eigen::Matrix2d(sum_ / count_) : sum_; }
-
- private:
-  Eigen::Matrix2d sum_ = Eigen::Matrix2d::Zero();
-  double count_ = 0;
-};
-
-/// Two halves of the frames, each registered to the ground learnt from the other: a frame's own noise in the
-/// ground would hold it where it was.
+/// In turn the mean of all and each frame's place in it. A frame's own noise in the mean holds it where it
+/// was taken to lie: rounds go on until that no longer matters.
 class Learning {
  public:
-  Learning(const std::vector<GroundFrame>& frames, const std::vector<Rect>& places, double noise_variance)
-      : frames_(frames), places_(places), noise_variance_(noise_variance), fixes_(frames.size()) {
+  Learning(const std::vector<GroundFrame>& frames, const Rect& place, double noise_variance)
+      : frames_(frames), place_(place), noise_variance_(noise_variance), fixes_(frames.size()) {
     for (const GroundFrame& f : frames) placed_.push_back(Placed{&f, f.start});
-    for (std::size_t h : {0, 1}) {
-      const Ground all = mean_of(chosen(h, 2), places_, nullptr, noise_variance_);
-      grounds_[h] = mean_of(chosen(h, 2), places_, &all, noise_variance_, kOutlierAtFirst);
-    }
+    const Ground all = mean_of(placed_, place_, nullptr, noise_variance_);
+    ground_ = mean_of(placed_, place_, &all, noise_variance_, kOutlierAtFirst);
   }
 
-  /// One after the other, so that both halves keep to the same grid. How far the frames have moved against
-  /// each other, sd rms.
+  /// How far the frames have moved against each other, sd rms.
   double round() {
-    excess_ = {};
-    double moved = 0;
-    for (const std::size_t h : {1, 0}) {
-      moved += refine(h, 2, grounds_[1 - h]);
-      grounds_[h] = mean_of(chosen(h, 2), places_, &grounds_[h], noise_variance_);
+    GroundRegistration registration(ground_);
+    excess_.setZero();
+    std::vector<Placed> placed;
+    std::vector<Eigen::Vector2d> moves;
+    std::vector<Eigen::Matrix2d> normals;
+    Eigen::Vector2d common = Eigen::Vector2d::Zero();
+    for (std::size_t k = 0; k < frames_.size(); ++k) {
+      const Point from = fixes_[k] ? fixes_[k]->displacement : frames_[k].start;
+      fixes_[k] = registration.refine(frames_[k], from);
+      if (!fixes_[k]) continue;
+      const Point to = fixes_[k]->displacement;
+      const Eigen::Matrix2d root = inverse_root(registration.normal());
+      excess_ += root * registration.scatter() * root;
+      placed.push_back({&frames_[k], to, fixes_[k]->gain, fixes_[k]->offset});
+      moves.emplace_back(to.x - from.x, to.y - from.y);
+      normals.push_back(registration.normal());
+      common += moves.back();
     }
-    return std::sqrt(moved / std::max(1.0, 2 * registered()));
+    placed_ = std::move(placed);
+    if (moves.empty()) return 0;
+    excess_ /= static_cast<double>(moves.size());
+    ground_ = mean_of(placed_, place_, &ground_, noise_variance_);
+    common /= static_cast<double>(moves.size());  // it moves the grid
+    double squares = 0;
+    for (std::size_t k = 0; k < moves.size(); ++k)
+      squares += (moves[k] - common).dot(normals[k] * (moves[k] - common));
+    return std::sqrt(squares / (2 * static_cast<double>(moves.size())));
   }
 
   bool enough() const {
-    return registered() >= std::max(4.0, kLeastShare * static_cast<double>(frames_.size()));
+    return static_cast<double>(placed_.size()) >=
+           std::max(4.0, kLeastShare * static_cast<double>(frames_.size()));
   }
 
   void finish(LearntGround& out) {
-    out.ground = mean_of(chosen(0, 1), places_, &grounds_[0], noise_variance_);
-    out.texture = GroundRegistration(out.ground).texture();
-    out.excess = excess_.mean();
-    out.fixes = fixes_;
+    out.texture = GroundRegistration(ground_).texture();
+    out.excess = excess_;
     std::vector<double> scores;
     for (const auto& fix : fixes_)
       if (fix) scores.push_back(fix->score);
     out.score = median(scores);
+    out.ground = std::move(ground_);
+    out.fixes = std::move(fixes_);
   }
 
  private:
-  std::vector<Placed> chosen(std::size_t first, std::size_t step) const {
-    std::vector<Placed> out;
-    for (std::size_t k = first; k < placed_.size(); k += step)
-      if (placed_[k].frame) out.push_back(placed_[k]);
-    return out;
-  }
-  double registered() const {
-    return static_cast<double>(std::ranges::count_if(fixes_, [](const auto& f) { return f.has_value(); }));
-  }
-  /// The squares of the frames' moves in units of their sd, their common one taken off: it moves the grid.
-  double refine(std::size_t first, std::size_t step, const Ground& ground) {
-    GroundRegistration registration(ground);
-    std::vector<Eigen::Vector2d> moves;
-    std::vector<Eigen::Matrix2d> normals;
-    Eigen::Vector2d common = Eigen::Vector2d::Zero();
-    for (std::size_t k = first; k < frames_.size(); k += step) {
-      const Point from = placed_[k].displacement;
-      fixes_[k] = registration.refine(frames_[k], from);
-      placed_[k].frame = fixes_[k] ? &frames_[k] : nullptr;
-      if (!fixes_[k]) continue;
-      excess_.add(registration);
-      placed_[k] = {&frames_[k], fixes_[k]->displacement, fixes_[k]->gain, fixes_[k]->offset};
-      moves.emplace_back(placed_[k].displacement.x - from.x, placed_[k].displacement.y - from.y);
-      normals.push_back(registration.normal());
-      common += moves.back();
-    }
-    if (!moves.empty()) common /= static_cast<double>(moves.size());
-    double squares = 0;
-    for (std::size_t k = 0; k < moves.size(); ++k)
-      squares += (moves[k] - common).dot(normals[k] * (moves[k] - common));
-    return squares;
-  }
-
   const std::vector<GroundFrame>& frames_;
-  const std::vector<Rect>& places_;
+  Rect place_;
   double noise_variance_;
-  std::vector<Placed> placed_;  ///< frame null where it could not be registered
+  std::vector<Placed> placed_;  ///< those that could be registered
   std::vector<std::optional<GroundFix>> fixes_;
-  std::array<Ground, 2> grounds_;
-  Excess excess_;
+  Ground ground_;
+  Eigen::Matrix2d excess_ = Eigen::Matrix2d::Zero();  ///< mean of N^(-1/2) S N^(-1/2), see GroundRegistration
 };
 
 }  // namespace
 
-std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames,
-                                         const std::vector<Rect>& places, double noise_variance,
-                                         int most_rounds) {
-  Learning learning(frames, places, noise_variance);
+std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames, const Rect& place,
+                                         double noise_variance, int most_rounds) {
+  Learning learning(frames, place, noise_variance);
   LearntGround learnt;
   while (learnt.rounds < most_rounds) {
     ++learnt.rounds;

@@ -22,11 +22,10 @@ struct LearntGround {
   int rounds = 0;
 };
 
-/// From frames whose `start` is good to a texture's width. `places` of the fields; `noise_variance` of a
+/// From frames whose `start` is good to a texture's width. `place` of the window; `noise_variance` of a
 /// pixel, the least that is believed. Nothing where too few frames can be registered: the ground shows
 /// nothing.
-std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames,
-                                         const std::vector<Rect>& places, double noise_variance,
-                                         int most_rounds);
+std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames, const Rect& place,
+                                         double noise_variance, int most_rounds);
 
 }  // namespace tribotrack::vision

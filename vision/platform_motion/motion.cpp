@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <opencv2/imgproc.hpp>
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
-#include "vision/platform_motion/fields.h"
 #include "vision/platform_motion/registration.h"
 
 namespace tribotrack::vision {
@@ -17,41 +17,20 @@ namespace {
 
 constexpr double kMostFloats = 32e6;  ///< of frames kept for the learning: 128 MB
 constexpr int kFewestFrames = 12;
-constexpr int kMargin = 8;             ///< px about a field: the start's error, the spline's reach
-constexpr double kWorstLimit = 1;      ///< px: slopes do not locate a ground that is known worse
-constexpr double kMotion = 4;          ///< times what noise explains, in squares: twice the sd
-constexpr double kInformation = 0.98;  ///< used of what the ground holds: costs a hundredth of the sd
-constexpr double kLeastScore = 0.5;    ///< of the usual one: less, and it is not the ground
+constexpr int kMargin = 8;           ///< px about its place: the start's error, the spline's reach
+constexpr double kWorstLimit = 1;    ///< px: slopes do not locate a ground that is known worse
+constexpr double kMotion = 4;        ///< times what noise explains, in squares: twice the sd
+constexpr double kLeastScore = 0.5;  ///< of the usual one: less, and it is not the ground
 
-Rect moved_window(const Rect& field, const Point& by, const Rect& bounds) {
-  if (field.width == bounds.width && field.height == bounds.height) return bounds;
-  const int left = std::max(0, field.x + static_cast<int>(std::floor(by.x)) - kMargin);
-  const int top = std::max(0, field.y + static_cast<int>(std::floor(by.y)) - kMargin);
+/// Of the frame, where the ground's place should be seen.
+Rect moved_window(const Rect& place, const Point& by, const Rect& bounds) {
+  const int left = std::max(0, place.x + static_cast<int>(std::floor(by.x)) - kMargin);
+  const int top = std::max(0, place.y + static_cast<int>(std::floor(by.y)) - kMargin);
   const int right =
-      std::min(bounds.width, field.x + field.width + static_cast<int>(std::ceil(by.x)) + kMargin);
+      std::min(bounds.width, place.x + place.width + static_cast<int>(std::ceil(by.x)) + kMargin);
   const int bottom =
-      std::min(bounds.height, field.y + field.height + static_cast<int>(std::ceil(by.y)) + kMargin);
+      std::min(bounds.height, place.y + place.height + static_cast<int>(std::ceil(by.y)) + kMargin);
   return {left, top, std::max(1, right - left), std::max(1, bottom - top)};
-}
-
-Picture cut(const Picture& whole, const Rect& window) {
-  Picture out(window.width, window.height);
-  for (int y = 0; y < window.height; ++y)
-    std::ranges::copy(
-        whole.row(window.y + y)
-            .subspan(static_cast<std::size_t>(window.x), static_cast<std::size_t>(window.width)),
-        out.row(y).begin());
-  return out;
-}
-
-/// The fields of a frame, near where they should be.
-void read_fields(FrameSource& source, const std::vector<Rect>& fields, GroundFrame& frame) {
-  frame.windows.clear();
-  frame.pictures.resize(fields.size());
-  for (std::size_t f = 0; f < fields.size(); ++f) {
-    frame.windows.push_back(moved_window(fields[f], frame.start, source.bounds()));
-    source.read(frame.index, frame.windows.back(), frame.pictures[f]);
-  }
 }
 
 /// One of each of so many stretches, its place in it by the golden ratio.
@@ -125,13 +104,8 @@ class GroundFollower {
  public:
   GroundFollower(FrameSource& source, std::int64_t first, const GroundMotionOptions& options,
                  const LearntGround& learnt)
-      : source_(source),
-        options_(options),
-        learnt_(learnt),
-        registration_(learnt.ground, kInformation),
-        first_(first) {
+      : source_(source), options_(options), learnt_(learnt), registration_(learnt.ground), first_(first) {
     registration_.set_excess(learnt.excess);
-    for (const GroundField& f : learnt.ground.fields) fields_.push_back(f.place);
   }
 
   std::optional<GroundFix> step(std::int64_t index) {
@@ -147,8 +121,8 @@ class GroundFollower {
 
  private:
   std::optional<GroundFix> at(const Point& start) {
-    frame_.start = start;
-    read_fields(source_, fields_, frame_);
+    frame_.window = moved_window(learnt_.ground.place, start, source_.bounds());
+    source_.read(frame_.index, frame_.window, frame_.picture);
     const auto fix = registration_.refine(frame_, start);
     return fix && fix->score > kLeastScore * learnt_.score ? fix : std::nullopt;
   }
@@ -162,11 +136,53 @@ class GroundFollower {
   const LearntGround& learnt_;
   GroundRegistration registration_;
   std::int64_t first_;
-  std::vector<Rect> fields_;
   std::optional<CoarseShift> coarse_;
   GroundFrame frame_;
   std::optional<Point> last_, before_;
 };
+
+constexpr int kStep = 32;  ///< px between windows that are compared
+
+/// The whole picture, or of a large one the window with the most information: the smaller eigenvalue of sum
+/// grad f grad f^T beyond the noise. What lies over the ground (`hidden`) tells nothing of it, strong as its
+/// edges are.
+Rect best_window(const Picture& first, const std::vector<Circle>& hidden, double noise_variance,
+                 int most_pixels) {
+  const int side = static_cast<int>(std::sqrt(most_pixels));
+  Rect best{0, 0, std::min(first.width(), side), std::min(first.height(), side)};
+  best.width = std::min(first.width(), most_pixels / best.height);
+  best.height = std::min(first.height(), most_pixels / best.width);
+  const cv::Mat levels(first.height(), first.width(), CV_32F, const_cast<float*>(first.levels().data()));
+  cv::Mat x, y, there(levels.size(), CV_32F, cv::Scalar(1)), xx, xy, yy, n;
+  cv::Sobel(levels, x, CV_32F, 1, 0, 1, 0.5);
+  cv::Sobel(levels, y, CV_32F, 0, 1, 1, 0.5);
+  for (const Circle& c : hidden)
+    cv::circle(there, {static_cast<int>(c.x), static_cast<int>(c.y)}, static_cast<int>(c.radius) + 2,
+               cv::Scalar(0), cv::FILLED);
+  x = x.mul(there);
+  y = y.mul(there);
+  cv::integral(x.mul(x), xx, CV_64F);
+  cv::integral(x.mul(y), xy, CV_64F);
+  cv::integral(y.mul(y), yy, CV_64F);
+  cv::integral(there, n, CV_64F);
+  double most = -1e300;
+  for (int top = 0; top + best.height <= first.height(); top += kStep)
+    for (int left = 0; left + best.width <= first.width(); left += kStep) {
+      const auto sum = [&](const cv::Mat& of) {
+        const int right = left + best.width, bottom = top + best.height;
+        return of.at<double>(bottom, right) - of.at<double>(top, right) - of.at<double>(bottom, left) +
+               of.at<double>(top, left);
+      };
+      // A central difference of white noise has half its variance.
+      const double information = 0.5 * (sum(xx) + sum(yy)) - std::hypot(0.5 * (sum(xx) - sum(yy)), sum(xy)) -
+                                 0.5 * noise_variance * sum(n);
+      if (information <= most) continue;
+      most = information;
+      best.x = left;
+      best.y = top;
+    }
+  return best;
+}
 
 }  // namespace
 
@@ -174,10 +190,9 @@ GroundSampler::GroundSampler(const Picture& first_picture, const std::vector<Cir
                              std::int64_t first, std::int64_t last, const GroundEffort& effort,
                              double noise_variance)
     : coarse_(first_picture, hidden, noise_variance) {
-  sample_.fields = ground_fields(first_picture, hidden, noise_variance, effort.pixels);
-  double floats = 0;
-  for (const Rect& f : sample_.fields)
-    floats += static_cast<double>(f.width + 2 * kMargin) * (f.height + 2 * kMargin);
+  sample_.place = best_window(first_picture, hidden, noise_variance, effort.pixels);
+  const double floats =
+      static_cast<double>(sample_.place.width + 2 * kMargin) * (sample_.place.height + 2 * kMargin);
   const auto affordable = static_cast<std::int64_t>(kMostFloats / floats);
   indices_ = spread(first, last,
                     std::min({std::max<std::int64_t>(affordable, kFewestFrames), std::int64_t{effort.frames},
@@ -194,10 +209,8 @@ void GroundSampler::see(FrameSource& source, std::int64_t index, const std::vect
   frame.hidden = hidden;
   source.read(index, source.bounds(), whole_);
   if (index != indices_.front()) frame.start = coarse_.of(whole_, hidden);
-  for (const Rect& field : sample_.fields) {
-    frame.windows.push_back(moved_window(field, frame.start, source.bounds()));
-    frame.pictures.push_back(cut(whole_, frame.windows.back()));
-  }
+  frame.window = moved_window(sample_.place, frame.start, source.bounds());
+  source.read(index, frame.window, frame.picture);
   sample_.frames.push_back(std::move(frame));
 }
 
@@ -211,7 +224,7 @@ GroundSample sample_ground(FrameSource& source, std::int64_t first, std::int64_t
 }
 
 GroundVerdict look_at_ground(const GroundSample& sample, double noise_variance) {
-  return verdict_on(learn_ground(sample.frames, sample.fields, noise_variance, kGroundGlance.rounds));
+  return verdict_on(learn_ground(sample.frames, sample.place, noise_variance, kGroundGlance.rounds));
 }
 
 GroundMotion follow_ground(FrameSource& source, std::int64_t first, std::int64_t last,
@@ -220,7 +233,7 @@ GroundMotion follow_ground(FrameSource& source, std::int64_t first, std::int64_t
   std::optional<LearntGround> learnt;
   {
     const GroundSample sample = sample_ground(source, first, last, kGroundLearning, options);
-    learnt = learn_ground(sample.frames, sample.fields, options.noise_variance, kGroundLearning.rounds);
+    learnt = learn_ground(sample.frames, sample.place, options.noise_variance, kGroundLearning.rounds);
     motion.learnt_from = static_cast<int>(sample.frames.size());
   }
   motion.verdict = verdict_on(learnt);
@@ -229,59 +242,6 @@ GroundMotion follow_ground(FrameSource& source, std::int64_t first, std::int64_t
   for (std::int64_t index = first; index <= last; ++index) motion.frames.push_back(follower.step(index));
   motion.ground = std::move(learnt->ground);
   return motion;
-}
-
-namespace {
-
-constexpr int kField = 128;
-
-bool in_any(const std::vector<Circle>& circles, int x, int y) {
-  return std::ranges::any_of(circles,
-                             [&](const Circle& c) { return std::hypot(x - c.x, y - c.y) <= c.radius + 1; });
-}
-
-/// A central difference of white noise has half its variance.
-double information(const Picture& p, const Rect& r, std::vector<Circle> hidden, double noise_variance) {
-  std::erase_if(hidden, [&](const Circle& c) {
-    return c.x + c.radius + 1 < r.x || c.x - c.radius - 1 > r.x + r.width || c.y + c.radius + 1 < r.y ||
-           c.y - c.radius - 1 > r.y + r.height;
-  });
-  double xx = 0, xy = 0, yy = 0, n = 0;
-  for (int y = std::max(1, r.y); y < std::min(p.height() - 1, r.y + r.height); ++y)
-    for (int x = std::max(1, r.x); x < std::min(p.width() - 1, r.x + r.width); ++x) {
-      if (!hidden.empty() && in_any(hidden, x, y)) continue;
-      ++n;
-      const double gx = 0.5 * (p.at(x + 1, y) - p.at(x - 1, y));
-      const double gy = 0.5 * (p.at(x, y + 1) - p.at(x, y - 1));
-      xx += gx * gx;
-      xy += gx * gy;
-      yy += gy * gy;
-    }
-  const double smaller = 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy);
-  return smaller - 0.5 * noise_variance * n;
-}
-
-}  // namespace
-
-std::vector<Rect> ground_fields(const Picture& first, const std::vector<Circle>& hidden,
-                                double noise_variance, int most_pixels) {
-  const Rect whole{0, 0, first.width(), first.height()};
-  if (whole.width * whole.height <= most_pixels) return {whole};
-  std::vector<std::pair<double, Rect>> fields;
-  for (int y = 0; y < whole.height; y += kField)
-    for (int x = 0; x < whole.width; x += kField) {
-      const Rect r{x, y, std::min(kField, whole.width - x), std::min(kField, whole.height - y)};
-      fields.emplace_back(information(first, r, hidden, noise_variance), r);
-    }
-  std::ranges::stable_sort(fields, std::greater<>(), &std::pair<double, Rect>::first);
-  std::vector<Rect> chosen;
-  int pixels = 0;
-  for (const auto& [information, r] : fields) {
-    if (pixels + r.width * r.height > most_pixels) break;
-    pixels += r.width * r.height;
-    chosen.push_back(r);
-  }
-  return chosen;
 }
 
 }  // namespace tribotrack::vision

@@ -45,12 +45,12 @@ inline constexpr GroundEffort kGroundGlance{12, 1 << 16, 2};
 inline constexpr GroundEffort kGroundLearning{128, 1 << 18, 10};
 
 struct GroundSample {
-  std::vector<Rect> fields;
+  Rect place;  ///< what is learnt of the ground
   std::vector<GroundFrame> frames;
 };
 
 /// Collects the sample: frames spread over first .. last, but not evenly (that could meet the same phase of a
-/// vibration again and again), read whole, kept as far as they show the fields; fewer of large pictures.
+/// vibration again and again), read whole, kept as far as they show it; fewer of large pictures.
 class GroundSampler {
  public:
   GroundSampler(const Picture& first_picture, const std::vector<Circle>& hidden, std::int64_t first,

@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/informative_pixels.h"
@@ -11,9 +10,8 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr int kBlock = 32;          ///< px: many widths of a texture, and light is even over it
-constexpr double kOutlier = 4;      ///< sd
-constexpr double kOutlierEdge = 3;  ///< px about a covering object that are half covered
+constexpr int kBlock = 32;      ///< px: many widths of a texture, and light is even over it
+constexpr double kOutlier = 4;  ///< sd
 constexpr int kMostIterations = 20;
 constexpr int kMostTrims = 4;
 constexpr double kTolerance = 0.02;  ///< of the standard deviation: adds a thousandth to it
@@ -46,113 +44,53 @@ bool touches(const Rect& tile, const Circle& c) {
 
 }  // namespace
 
-GroundRegistration::GroundRegistration(const Ground& ground, double share) : ground_(ground) {
-  for (std::size_t f = 0; f < ground.fields.size(); ++f) add_blocks(f);
+GroundRegistration::GroundRegistration(const Ground& ground) : ground_(ground) {
+  add_blocks();
   sample({0, 0});
-  keep_informative(share);
   double squares = 0, weight = 0;
   for (Block& b : blocks_) {
     b.shown = b.arrays.weight = b.weight;
     pixels_ += static_cast<double>(std::ranges::count_if(b.weight, [](float w) { return w > 0; }));
-    const WithoutOffset sums(tile_kernels().normal(b.arrays));
+    const WithoutOffset sums(normal_sums(b.arrays));
     squares += sums.normal(2, 2);
     weight += sums.weight;
   }
   texture_ = weight > 0 ? std::sqrt(std::max(0.0, squares / weight)) : 0;
 }
 
-void GroundRegistration::Block::make_room() {
-  corners.resize(tiles.size());
-  arrays.tiles = tiles.size();
-  for (auto* v : {&arrays.value, &arrays.slope_x, &arrays.slope_y, &arrays.slope_theta, &arrays.level})
-    v->resize(weight.size());
-  shown = arrays.weight = weight;
-}
-
-void GroundRegistration::add_blocks(std::size_t field) {
-  const GroundField& f = ground_.fields[field];
-  for (int top = 0; top < f.place.height; top += kBlock)
-    for (int left = 0; left < f.place.width; left += kBlock) {
+void GroundRegistration::add_blocks() {
+  for (int top = 0; top < ground_.place.height; top += kBlock)
+    for (int left = 0; left < ground_.place.width; left += kBlock) {
       Block b;
-      b.field = field;
-      for (int y = top; y < std::min(top + kBlock, f.place.height); y += kTile)
-        for (int x = left; x < std::min(left + kBlock, f.place.width); x += kTile) b.tiles.push_back({x, y});
+      for (int y = top; y < std::min(top + kBlock, ground_.place.height); y += kTile)
+        for (int x = left; x < std::min(left + kBlock, ground_.place.width); x += kTile)
+          b.tiles.push_back({x, y});
       for (const TilePlace& t : b.tiles)
         for (int y = t.y; y < t.y + kTile; ++y)
           for (int x = t.x; x < t.x + kTile; ++x) {
-            const bool known = x < f.place.width && y < f.place.height && f.seen.at(x, y) > 0;
-            b.weight.push_back(known ? 1 / f.variance.at(x, y) : 0);
+            const bool known =
+                x < ground_.place.width && y < ground_.place.height && ground_.seen.at(x, y) > 0;
+            b.weight.push_back(known ? 1 / ground_.variance.at(x, y) : 0);
           }
-      b.make_room();
+      b.corners.resize(b.tiles.size());
+      b.arrays.tiles = b.tiles.size();
+      for (auto* v :
+           {&b.arrays.value, &b.arrays.slope_x, &b.arrays.slope_y, &b.arrays.slope_theta, &b.arrays.level})
+        v->resize(b.weight.size());
       blocks_.push_back(std::move(b));
     }
-}
-
-/// A tile's share of what is known: the trace of its own normal matrix in units of that of all.
-void GroundRegistration::keep_informative(double share) {
-  if (share >= 1) return;
-  Eigen::Matrix2d all = Eigen::Matrix2d::Zero();
-  struct Entry {
-    double information = 0;
-    std::size_t block = 0, tile = 0;
-    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-  };
-  std::vector<Entry> entries;
-  for (std::size_t b = 0; b < blocks_.size(); ++b)
-    for (std::size_t t = 0; t < blocks_[b].tiles.size(); ++t) {
-      Entry e{0, b, t};
-      for (std::size_t i = t * kTilePixels; i < (t + 1) * kTilePixels; ++i) {
-        const Eigen::Vector2d slope(blocks_[b].arrays.slope_x[i], blocks_[b].arrays.slope_y[i]);
-        e.normal += static_cast<double>(blocks_[b].weight[i]) * slope * slope.transpose();
-      }
-      all += e.normal;
-      entries.push_back(e);
-    }
-  if (!(all.determinant() > 0)) return;
-  const Eigen::Matrix2d unit = all.inverse();
-  for (Entry& e : entries) e.information = 0.5 * (unit * e.normal).trace();
-  std::ranges::stable_sort(entries, std::greater<>(), &Entry::information);
-  double kept = 0;
-  std::size_t count = 0;
-  while (count < entries.size() && kept < share) kept += entries[count++].information;
-  entries.resize(count);
-  std::ranges::sort(entries, {}, [](const Entry& e) { return std::pair(e.block, e.tile); });
-  std::vector<Block> chosen;
-  std::size_t of = blocks_.size();
-  for (const Entry& e : entries) {
-    const Block& from = blocks_[e.block];
-    if (e.block != of) chosen.emplace_back().field = from.field;
-    of = e.block;
-    Block& to = chosen.back();
-    to.tiles.push_back(from.tiles[e.tile]);
-    const auto first = from.weight.begin() + static_cast<std::ptrdiff_t>(e.tile * kTilePixels);
-    to.weight.insert(to.weight.end(), first, first + kTilePixels);
-  }
-  for (Block& b : chosen) b.make_room();
-  blocks_ = std::move(chosen);
-  sample({0, 0});
 }
 
 /// Grey levels under the ground moved by whole pixels. False where too little of it is seen.
 bool GroundRegistration::take(const GroundFrame& frame, int whole_x, int whole_y) {
   double seen = 0;
+  const int left = ground_.place.x + whole_x, top = ground_.place.y + whole_y;
   for (Block& b : blocks_) {
-    const Rect& window = frame.windows[b.field];
-    const Picture& picture = frame.pictures[b.field];
-    const Rect& place = ground_.fields[b.field].place;
     b.shown = b.weight;
+    take_levels(frame.picture, left - frame.window.x, top - frame.window.y, b.tiles, ground_.level,
+                b.arrays.level, b.shown);
     for (std::size_t t = 0; t < b.tiles.size(); ++t) {
-      const Rect tile{place.x + b.tiles[t].x + whole_x, place.y + b.tiles[t].y + whole_y, kTile, kTile};
-      const bool inside = window.contains(tile);
-      float* level = b.arrays.level.data() + t * kTilePixels;
-      float* weight = b.shown.data() + t * kTilePixels;
-      for (int j = 0; j < kTile; ++j)
-        for (int i = 0; i < kTile; ++i, ++level, ++weight) {
-          const int x = tile.x + i - window.x, y = tile.y + j - window.y;
-          const bool there = inside || (x >= 0 && y >= 0 && x < window.width && y < window.height);
-          *level = there ? picture.at(x, y) - ground_.level : 0;
-          if (!there) *weight = 0;
-        }
+      const Rect tile{left + b.tiles[t].x, top + b.tiles[t].y, kTile, kTile};
       for (const Circle& c : frame.hidden) {
         if (!touches(tile, c)) continue;
         for (std::size_t k = 0; k < kTilePixels; ++k) {
@@ -171,7 +109,7 @@ bool GroundRegistration::take(const GroundFrame& frame, int whole_x, int whole_y
 
 void GroundRegistration::sample(const Point& fraction) {
   for (Block& b : blocks_)
-    ground_.fields[b.field].less.sample_tiles(-fraction.x, -fraction.y, b.tiles, b.corners, true, b.arrays);
+    ground_.less.sample_tiles(-fraction.x, -fraction.y, b.tiles, b.corners, 0, true, b.arrays);
 }
 
 std::optional<GroundRegistration::Fit> GroundRegistration::solve() {
@@ -179,7 +117,7 @@ std::optional<GroundRegistration::Fit> GroundRegistration::solve() {
   fit.normal.setZero();
   fit.force.setZero();
   for (Block& b : blocks_) {
-    b.sums = tile_kernels().normal(b.arrays);
+    b.sums = normal_sums(b.arrays);
     const WithoutOffset sums(b.sums);
     fit.normal += sums.normal;
     fit.force += sums.force;
@@ -203,18 +141,15 @@ std::size_t GroundRegistration::trim(const Fit& fit) {
     // Sums of w value, w and w level.
     if (!(b.sums[12] > 0)) continue;
     const auto offset = static_cast<float>((b.sums[13] - fit.solution(2) * b.sums[10]) / b.sums[12]);
-    outliers_.resize(b.shown.size());
-    bool any = false;
+    std::vector<unsigned char> outliers(b.shown.size());
     for (std::size_t i = 0; i < b.shown.size(); ++i) {
       const float r = b.arrays.level[i] - gain * b.arrays.value[i] - offset;
-      outliers_[i] = b.shown[i] * r * r > limit;
-      any |= outliers_[i] != 0;
+      outliers[i] = b.shown[i] * r * r > limit;
     }
     b.arrays.weight = b.shown;
-    if (!any) continue;
-    spread_outliers(b.tiles, kOutlierEdge, outliers_);
+    if (spread_outliers(b.tiles, outliers) == 0) continue;
     for (std::size_t i = 0; i < b.shown.size(); ++i)
-      if (outliers_[i] != 0 && b.shown[i] > 0) {
+      if (outliers[i] != 0 && b.shown[i] > 0) {
         b.arrays.weight[i] = 0;
         ++count;
       }

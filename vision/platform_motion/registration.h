@@ -21,8 +21,8 @@ namespace tribotrack::vision {
 
 class GroundRegistration {
  public:
-  /// Keeps a reference. `share` of the information is used, from the tiles that hold the most.
-  explicit GroundRegistration(const Ground& ground, double share = 1);
+  /// Keeps a reference.
+  explicit GroundRegistration(const Ground& ground);
 
   /// Nothing where it does not converge within kFarthest of the start.
   std::optional<GroundFix> refine(const GroundFrame& frame, const Point& start);
@@ -39,17 +39,14 @@ class GroundRegistration {
   double texture() const { return texture_; }
 
  private:
-  /// Tiles within 32 x 32 px of a field.
+  /// Tiles within 32 x 32 px.
   struct Block {
-    std::size_t field = 0;
     std::vector<TilePlace> tiles;
     std::vector<float> weight;  ///< 1 / V, 0 where the ground is not known
     TileArrays arrays;          ///< slope_theta holds the level: the fifth column of the sums
     std::vector<float> shown;   ///< weight of what the frame shows of it
     std::vector<const float*> corners;
     NormalSums sums{};
-    /// For a frame, once tiles and weight are known.
-    void make_room();
   };
   /// Of the columns -a slope_x, -a slope_y, value, offsets taken out.
   struct Fit {
@@ -57,8 +54,7 @@ class GroundRegistration {
     Eigen::Vector3d force, solution;
     double squares = 0, of_levels = 0, pixels = 0;
   };
-  void add_blocks(std::size_t field);
-  void keep_informative(double share);
+  void add_blocks();
   bool take(const GroundFrame& frame, int whole_x, int whole_y);
   void sample(const Point& fraction);
   std::optional<Fit> solve();
@@ -69,8 +65,6 @@ class GroundRegistration {
   std::vector<Block> blocks_;
   Eigen::Matrix2d normal_, scatter_, excess_ = Eigen::Matrix2d::Identity();
   double texture_ = 0, pixels_ = 0;
-  std::vector<float> residual_;
-  std::vector<unsigned char> outliers_;
 };
 
 }  // namespace tribotrack::vision

@@ -11,7 +11,7 @@
 namespace tribotrack::vision {
 
 TemplateRegistration::Matrix TemplateRegistration::normal_matrix() const {
-  return filled(tile_kernels().normal(arrays_));
+  return filled(normal_sums(arrays_));
 }
 
 /// From its upper triangle.
@@ -24,7 +24,7 @@ TemplateRegistration::Matrix TemplateRegistration::filled(const NormalSums& sums
 }
 
 double TemplateRegistration::correlation() const {
-  const CorrelationSums c = tile_kernels().correlation(arrays_, base_weight_);
+  const CorrelationSums c = correlation_sums(arrays_, base_weight_);
   if (c.w <= 0) return 0;
   const double spread = (c.vv - c.v * c.v / c.w) * (c.ll - c.l * c.l / c.w);
   return spread > 1e-9 ? (c.vl - c.v * c.l / c.w) / std::sqrt(spread) : 0;
@@ -36,7 +36,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   int whole_x = static_cast<int>(std::lround(start.dx));
   int whole_y = static_cast<int>(std::lround(start.dy));
   Pose fraction{start.dx - whole_x, start.dy - whole_y, start.theta};
-  if (!take_picture(picture, x, y, whole_x, whole_y, fraction.theta)) return out;
+  if (!take_picture(picture, x, y, whole_x, whole_y)) return out;
   sample_template(fraction, true);
   Pose formed = fraction;  // where the derivatives belong to
   Matrix normal = normal_matrix();
@@ -48,7 +48,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   std::size_t trimmed_count = 0;
   std::optional<ForceSums> last;  // where they are those of the pose found
   const auto sums_now = [&] {
-    return tile_kernels().force(arrays_, static_cast<float>(gain), static_cast<float>(offset));
+    return force_sums(arrays_, static_cast<float>(gain), static_cast<float>(offset));
   };
   for (out.iterations = 1; out.iterations <= options_.max_iterations; ++out.iterations) {
     const ForceSums sums = sums_now();
@@ -82,22 +82,12 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
       whole_y += sy;
       fraction.dx -= sx;
       fraction.dy -= sy;
-      if (!take_picture(picture, x, y, whole_x, whole_y, fraction.theta)) return out;
+      if (!take_picture(picture, x, y, whole_x, whole_y)) return out;
       trimmed = false;
     }
     const bool re_form = re_centre || std::hypot(fraction.dx - formed.dx, fraction.dy - formed.dy) > 0.15 ||
                          std::abs(fraction.theta - formed.theta) * pattern_.reach() > 0.5;
-    // Turned, each pixel has a fraction of its own, which takes time; a little way levels move along their
-    // slopes. Those are of the pose they were formed at, `away` from here: what they err by over a step is
-    // below the tolerance where they change by less than a third over a pixel.
-    const double away = std::max(std::hypot(fraction.dx - formed.dx, fraction.dy - formed.dy),
-                                 std::abs(fraction.theta - formed.theta) * pattern_.reach());
-    const bool along_slopes =
-        options_.rotation && !re_form && std::max(brake * length, turn_px) * away < 3 * options_.tolerance_px;
-    if (along_slopes && !settled)
-      move_levels(brake * move_x, brake * move_y, turn);
-    else if (re_form || !settled)
-      sample_template(fraction, re_form);
+    if (re_form || !settled) sample_template(fraction, re_form);
     if (settled && !trimmed) {
       last = sums_now();
       trimmed_count = trim(*last, gain, offset, noise_sd);
@@ -156,7 +146,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
 double TemplateRegistration::score(const Picture& picture, int x, int y, const Pose& pose) {
   const int whole_x = static_cast<int>(std::lround(pose.dx));
   const int whole_y = static_cast<int>(std::lround(pose.dy));
-  if (!take_picture(picture, x, y, whole_x, whole_y, pose.theta)) return 0;
+  if (!take_picture(picture, x, y, whole_x, whole_y)) return 0;
   sample_template({pose.dx - whole_x, pose.dy - whole_y, pose.theta}, false);
   return correlation();
 }
@@ -166,7 +156,6 @@ double TemplateRegistration::score(const Picture& picture, int x, int y, const P
 
 namespace {
 
-constexpr double kOutlierEdge = 3;         ///< px about a covering object that are half covered
 constexpr double kMaxTrim = 0.4;           ///< a larger share of outliers: it is not the template
 constexpr double kUsual = 4 * kNormalMad;  ///< median sizes of the residual
 
@@ -176,33 +165,26 @@ constexpr double kUsual = 4 * kNormalMad;  ///< median sizes of the residual
 std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, double offset, double noise_sd) {
   const double least = std::max(6 * noise_sd, 0.5 * std::abs(gain) * contrast_);
   if (sums.largest <= least) return 0;
-  residual_.resize(mask_.size());
-  // The usual residual matters where it is no small one: else it need not be known.
-  const ResidualCounts counts =
-      tile_kernels().residuals(arrays_, base_weight_, static_cast<float>(gain), static_cast<float>(offset),
-                               static_cast<float>(least / kUsual), residual_);
-  double limit = least;
-  if (counts.small <= counts.counted / 2) {
-    std::vector<float> sizes;
-    for (std::size_t i = 0; i < mask_.size(); ++i)
-      if (base_weight_[i] > 0) sizes.push_back(residual_[i]);
-    limit = std::max(least, kUsual * static_cast<double>(median(sizes)));
+  std::vector<float> residual(mask_.size()), sizes;
+  for (std::size_t i = 0; i < mask_.size(); ++i) {
+    if (!(base_weight_[i] > 0)) continue;
+    residual[i] =
+        std::abs(arrays_.level[i] - static_cast<float>(gain) * arrays_.value[i] - static_cast<float>(offset));
+    sizes.push_back(residual[i]);
   }
-  outliers_.resize(mask_.size());
-  tile_kernels().mark(residual_, static_cast<float>(limit), outliers_);
+  const double limit = std::max(least, kUsual * static_cast<double>(median(sizes)));
+  std::vector<unsigned char> outliers(mask_.size());
+  for (std::size_t i = 0; i < mask_.size(); ++i) outliers[i] = static_cast<double>(residual[i]) > limit;
   // A texture that has turned does not match anywhere until its angle is found.
-  if (!options_.rotation) spread_outliers(places_, kOutlierEdge, outliers_);
+  if (!options_.rotation) spread_outliers(places_, outliers);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < mask_.size(); i += kTile) {
-    if (!any_in_row(outliers_.data() + i)) continue;
-    for (std::size_t k = i; k < i + kTile; ++k) {
-      if (outliers_[k] == 0 || !(base_weight_[k] > 0)) continue;
-      arrays_.weight[k] = 0;
-      ++count;
-    }
+  for (std::size_t i = 0; i < mask_.size(); ++i) {
+    if (outliers[i] == 0 || !(base_weight_[i] > 0)) continue;
+    arrays_.weight[i] = 0;
+    ++count;
   }
   trimmed_ = true;
-  if (static_cast<double>(count) > kMaxTrim * static_cast<double>(counts.counted)) {
+  if (static_cast<double>(count) > kMaxTrim * static_cast<double>(sizes.size())) {
     arrays_.weight = base_weight_;
     return 0;
   }
@@ -211,11 +193,11 @@ std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, doubl
 
 /// Sandwich covariance of (dx, dy, theta) with the tiles as clusters.
 Eigen::Matrix3d TemplateRegistration::sandwich(const Matrix& inverse, double gain, double offset) {
-  scores_.resize(places_.size());
-  tile_kernels().scores(arrays_, static_cast<float>(gain), static_cast<float>(offset), scores_);
   Eigen::Matrix<double, 5, 5> meat = Eigen::Matrix<double, 5, 5>::Zero();
-  for (const std::array<double, 5>& of_tile : scores_) {
-    const Eigen::Map<const Eigen::Matrix<double, 5, 1>> score(of_tile.data());
+  for (std::size_t t = 0; t < places_.size(); ++t) {
+    const ForceSums of_tile =
+        force_sums(arrays_, static_cast<float>(gain), static_cast<float>(offset), t, t + 1);
+    const Eigen::Map<const Eigen::Matrix<double, 5, 1>> score(of_tile.force.data());
     meat += score * score.transpose();
   }
   const Matrix covariance = inverse * meat.topLeftCorner(columns(), columns()) * inverse / (gain * gain);
@@ -229,13 +211,8 @@ Eigen::Matrix3d TemplateRegistration::sandwich(const Matrix& inverse, double gai
 
 std::vector<TileSums> TemplateRegistration::tile_sums() {
   const std::size_t tiles = places_.size();
-  scores_.resize(tiles);
-  normals_.resize(tiles);
-  tile_kernels().scores(arrays_, static_cast<float>(found_.gain), static_cast<float>(found_.offset), scores_);
-  tile_kernels().normals(arrays_, normals_);
   const int n = columns();
-  double weight = 0;
-  for (const NormalSums& sums : normals_) weight += filled(sums)(3, 3);
+  const double weight = normal_matrix()(3, 3);
 
   // The kernels' slopes are those of the template, the picture's are gain times as steep.
   Vector slope = Vector::Ones(n);
@@ -243,8 +220,10 @@ std::vector<TileSums> TemplateRegistration::tile_sums() {
   if (options_.rotation) slope(4) = found_.gain;
   std::vector<TileSums> out(tiles);
   for (std::size_t t = 0; t < tiles; ++t) {
-    const Matrix normal = filled(normals_[t]);
-    Vector score = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(scores_[t].data()).head(n);
+    const Matrix normal = filled(normal_sums(arrays_, t, t + 1));
+    const ForceSums sums =
+        force_sums(arrays_, static_cast<float>(found_.gain), static_cast<float>(found_.offset), t, t + 1);
+    Vector score = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(sums.force.data()).head(n);
     // The known force of the template's noise: at the optimum it is what the scores add up to.
     score.head<2>() -= normal(3, 3) / weight * found_.noise_force;
     constexpr double kMiddle = 0.5 * (kTile - 1);

@@ -80,19 +80,13 @@ class TemplateRegistration {
   /// ZNCC at a pose, nothing refined.
   double score(const Picture& picture, int x, int y, const Pose& pose);
 
-  /// Template grey levels turned by theta about the pattern's centre, on the pattern's own window.
-  Picture turned(double theta) const { return at({0, 0, theta}, pattern_.window); }
-  /// The same at a pose, on a window of the camera.
+  /// Template grey levels at a pose, on a window of the camera.
   Picture at(const Pose& pose, const Rect& window) const;
-  /// On the pattern's window: 1 where a pixel takes part, else 0.
-  Picture chosen() const;
-
   /// Cramer-Rao bound of (dx, dy) for the template itself, px^2.
   Eigen::Matrix2d limit() const { return limit_; }
   /// Same for the rotation alone, see pattern.h.
   double limit_theta() const { return limit_theta_; }
   const Pattern& pattern() const { return pattern_; }
-  const RegistrationOptions& options() const { return options_; }
   /// What the template's own noise adds to the variance of the position, relative to the bound.
   double template_noise_cost() const { return template_noise_cost_; }
 
@@ -102,9 +96,7 @@ class TemplateRegistration {
   void choose_pixels();
   void sample_template(const Pose& fraction, bool slopes);
   void sample_turned(const Pose& fraction, bool slopes);
-  void move_levels(double x, double y, double turn);
-  float turned_weight(int x, int y, double c, double s) const;
-  bool take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y, double theta);
+  bool take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y);
   Matrix normal_matrix() const;
   Matrix filled(const NormalSums& sums) const;
   Matrix debiased(const Matrix& normal, const Pose& fraction) const;
@@ -120,16 +112,13 @@ class TemplateRegistration {
   Pattern pattern_;
   Picture levels_;  ///< of the window
   QuinticSpline spline_;
-  int spline_x_ = 0, spline_y_ = 0;      ///< first pixel of the spline in the first frame
-  float pivot_ = 0;                      ///< mean level of the template
-  double contrast_ = 0;                  ///< its standard deviation
-  static constexpr int kFractions = 16;  ///< table of interpolation noise
-  bool gaps_ = false;                    ///< the mask has holes that turn with the template
-  double pixels_ = 0;                    ///< number of pixels that take part
+  int spline_x_ = 0, spline_y_ = 0;  ///< first pixel of the spline in the first frame
+  float pivot_ = 0;                  ///< mean level of the template
+  double contrast_ = 0;              ///< its standard deviation
+  double pixels_ = 0;                ///< number of pixels that take part
   double template_noise_cost_ = 0;
   Eigen::Matrix2d limit_ = Eigen::Matrix2d::Zero();
   double limit_theta_ = 0;
-  std::vector<InterpolationNoise> noise_gain_;  ///< at fractions k / 16
 
   std::vector<TilePlace> places_;  ///< in the window
   std::vector<float> mask_;        ///< weights of the tiles' pixels, those beyond the window 0
@@ -149,10 +138,6 @@ class TemplateRegistration {
   bool trimmed_ = false;                    ///< arrays_.weight is less than that
   std::vector<float> turned_x_, turned_y_;  ///< scratch of sample_turned
   std::vector<const float*> corners_;
-  std::vector<float> residual_;
-  std::vector<unsigned char> outliers_;
-  std::vector<std::array<double, 5>> scores_;
-  std::vector<NormalSums> normals_;
 };
 
 }  // namespace tribotrack::vision

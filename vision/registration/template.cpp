@@ -6,18 +6,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "vision/kernels/vector_kernels.h"
 #include "vision/registration/pattern.h"
 
 namespace tribotrack::vision {
 namespace {
 
 constexpr int kBorder = 12;  ///< context of the spline around the template, px
-
-TRIBOTRACK_CLONES void add_slopes(const float* of_x, const float* of_y, const float* of_theta,
-                                  std::size_t count, float x, float y, float theta, float* value) {
-  for (std::size_t k = 0; k < count; ++k) value[k] += x * of_x[k] + y * of_y[k] + theta * of_theta[k];
-}
 
 }  // namespace
 
@@ -41,8 +35,6 @@ TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& 
     for (int x = 0; x < w.width; ++x) {
       const float level = first.at(w.x + x, w.y + y);
       levels_.at(x, y) = level;
-      const double rho = std::hypot(w.x + x - pattern.centre.x, w.y + y - pattern.centre.y);
-      if (pattern.weights.at(x, y) == 0 && rho < pattern.radius + 2) gaps_ = true;
       if (pattern.weights.at(x, y) > 0) {
         ++pixels_;
         sum += level;
@@ -51,13 +43,10 @@ TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& 
     }
   pivot_ = static_cast<float>(sum / pixels_);
   contrast_ = std::sqrt(std::max(0.0, squares / pixels_ - (sum / pixels_) * (sum / pixels_)));
-  for (int k = 0; k <= kFractions; ++k)
-    noise_gain_.push_back(quintic_noise(static_cast<double>(k) / kFractions));
-
   choose_pixels();
   const bool rotation = options_.rotation;
   options_.rotation = false;
-  take_picture(levels_, w.x, w.y, 0, 0, 0);
+  take_picture(levels_, w.x, w.y, 0, 0);
   sample_template({}, true);
   const Matrix normal = normal_matrix(), honest = debiased(normal, {});
   limit_ = options_.noise_variance * inverse_of(Eigen::MatrixXd(honest)).topLeftCorner<2, 2>();
@@ -75,7 +64,7 @@ void TemplateRegistration::choose_pixels() {
                         slope_x.levels().data(), slope_y.levels().data());
   limit_theta_ = rotation_limit(value, pattern_, options_.noise_variance);
   InformativeOptions options;
-  options.noise_square = 2 * template_noise() * noise_gain_[0].slope * noise_gain_[0].value;
+  options.noise_square = 2 * template_noise() * quintic_noise(0).slope * quintic_noise(0).value;
   const Picture mask = informative_pixels(slope_x, slope_y, pattern_.weights, options);
   places_ = cover_with_tiles(mask);
   mask_.assign(places_.size() * kTilePixels, 0.0F);
@@ -101,12 +90,7 @@ void TemplateRegistration::sample_template(const Pose& fraction, bool slopes) {
   if (options_.rotation) return sample_turned(fraction, slopes);
   const double x = pattern_.window.x - spline_x_ - fraction.dx;
   const double y = pattern_.window.y - spline_y_ - fraction.dy;
-  const int ix = static_cast<int>(std::floor(x));
-  const int iy = static_cast<int>(std::floor(y));
-  const SplineTaps taps = spline_taps(x - ix, y - iy);
-  for (std::size_t t = 0; t < places_.size(); ++t)
-    corners_[t] = spline_.coefficient(ix + places_[t].x, iy + places_[t].y);
-  tile_kernels().sample(corners_, spline_.stride(), taps, pivot_, slopes, arrays_);
+  spline_.sample_tiles(x, y, places_, corners_, pivot_, slopes, arrays_);
 }
 
 /// Every pixel has a fraction of its own.
@@ -142,12 +126,6 @@ void TemplateRegistration::sample_turned(const Pose& fraction, bool slopes) {
   }
 }
 
-/// T at a pose a little further, by its slopes.
-void TemplateRegistration::move_levels(double x, double y, double turn) {
-  add_slopes(arrays_.slope_x.data(), arrays_.slope_y.data(), arrays_.slope_theta.data(), mask_.size(),
-             static_cast<float>(-x), static_cast<float>(-y), static_cast<float>(turn), arrays_.value.data());
-}
-
 Picture TemplateRegistration::at(const Pose& pose, const Rect& window) const {
   Picture out(window.width, window.height);
   const double c = std::cos(pose.theta);
@@ -162,72 +140,20 @@ Picture TemplateRegistration::at(const Pose& pose, const Rect& window) const {
   return out;
 }
 
-Picture TemplateRegistration::chosen() const {
-  Picture out(pattern_.window.width, pattern_.window.height);
-  for (std::size_t t = 0; t < places_.size(); ++t)
-    for (std::size_t k = 0; k < kTilePixels; ++k) {
-      const int x = places_[t].x + static_cast<int>(k % kTile),
-                y = places_[t].y + static_cast<int>(k / kTile);
-      if (mask_[t * kTilePixels + k] > 0) out.at(x, y) = 1;
-    }
-  return out;
-}
-
 // TemplateRegistration, picture: grey levels and weights under the template at a pose.
-
-/// Weight of the template pixel that lies under pixel (x, y) of the window once the template is turned.
-float TemplateRegistration::turned_weight(int x, int y, double c, double s) const {
-  const Rect& w = pattern_.window;
-  const double rx = x + w.x - pattern_.centre.x;
-  const double ry = y + w.y - pattern_.centre.y;
-  const int u = static_cast<int>(std::lround(pattern_.centre.x + c * rx - s * ry)) - w.x;
-  const int v = static_cast<int>(std::lround(pattern_.centre.y + s * rx + c * ry)) - w.y;
-  const bool inside = u >= 0 && v >= 0 && u < w.width && v < w.height;
-  return inside ? std::min(pattern_.weights.at(u, v), pattern_.radius > 0 ? 1.0F : pattern_.weights.at(x, y))
-                : 0.0F;
-}
 
 /// Grey levels under the tiles moved by whole pixels; weight 0 outside the picture. False where less than
 /// half of the mask is covered.
-bool TemplateRegistration::take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y,
-                                        double theta) {
+bool TemplateRegistration::take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y) {
   const Rect& w = pattern_.window;
-  const bool turned = gaps_ && options_.rotation && theta != 0;
-  const double c = std::cos(theta);
-  const double s = std::sin(theta);
   if (!whole_mask_) base_weight_ = mask_;
-  bool all_inside = true;
-  for (std::size_t t = 0; t < places_.size(); ++t) {
-    const int left = places_[t].x + w.x + whole_x - x;
-    const int top = places_[t].y + w.y + whole_y - y;
-    float* level = arrays_.level.data() + t * kTilePixels;
-    float* weight = base_weight_.data() + t * kTilePixels;
-    const bool inside =
-        left >= 0 && top >= 0 && left + kTile <= picture.width() && top + kTile <= picture.height();
-    all_inside &= inside;
-    for (int j = 0; j < kTile; ++j, level += kTile, weight += kTile) {
-      if (inside) {
-        const float* from = picture.row(top + j).data() + left;
-        for (int i = 0; i < kTile; ++i) level[i] = from[i] - pivot_;
-      } else {
-        for (int i = 0; i < kTile; ++i) {
-          const bool seen =
-              left + i >= 0 && left + i < picture.width() && top + j >= 0 && top + j < picture.height();
-          level[i] = seen ? picture.at(left + i, top + j) - pivot_ : 0.0F;
-          if (!seen) weight[i] = 0;
-        }
-      }
-      if (turned)
-        for (int i = 0; i < kTile; ++i)
-          if (weight[i] > 0) weight[i] = turned_weight(places_[t].x + i, places_[t].y + j, c, s);
-    }
-  }
+  const bool all_inside = take_levels(picture, w.x + whole_x - x, w.y + whole_y - y, places_, pivot_,
+                                      arrays_.level, base_weight_);
   // What the frame before changed: mostly nothing.
-  const bool whole = all_inside && !turned;
-  if (trimmed_ || !whole || !whole_mask_) arrays_.weight = base_weight_;
+  if (trimmed_ || !all_inside || !whole_mask_) arrays_.weight = base_weight_;
   trimmed_ = false;
-  whole_mask_ = whole;
-  if (whole) return true;
+  whole_mask_ = all_inside;
+  if (all_inside) return true;
   double covered = 0;
   for (const float weight : base_weight_) covered += weight;
   return covered > 0.5 * pixels_;
@@ -238,12 +164,7 @@ bool TemplateRegistration::take_picture(const Picture& picture, int x, int y, in
 /// The noise of the template adds its own slopes to the derivatives: sum (g + e)^2 = sum g^2 + sum e^2.
 TemplateRegistration::Matrix TemplateRegistration::debiased(const Matrix& normal,
                                                             const Pose& fraction) const {
-  const auto gain = [&](double f) {
-    const double t = (f - std::floor(f)) * kFractions;
-    return noise_gain_[static_cast<std::size_t>(std::lround(t))];
-  };
-  const InterpolationNoise nx = gain(-fraction.dx);
-  const InterpolationNoise ny = gain(-fraction.dy);
+  const InterpolationNoise nx = quintic_noise(-fraction.dx), ny = quintic_noise(-fraction.dy);
   Matrix out = normal;
   const double noise = template_noise() * normal(3, 3);  // sum of the weights
   out(0, 0) -= std::min(0.7 * normal(0, 0), noise * nx.slope * ny.value);
@@ -253,14 +174,9 @@ TemplateRegistration::Matrix TemplateRegistration::debiased(const Matrix& normal
 
 /// Noise variance that would explain the present residual, picture and template noisy alike.
 double TemplateRegistration::residual_noise(const ForceSums& sums, const Pose& at, double gain) const {
-  const auto value_gain = [&](double f) {  // continuous, or the iteration could swing between two entries
-    const double t = (f - std::floor(f)) * kFractions;
-    const auto k = std::min(static_cast<std::size_t>(t), static_cast<std::size_t>(kFractions - 1));
-    const double share = t - static_cast<double>(k);
-    return (1 - share) * noise_gain_[k].value + share * noise_gain_[k + 1].value;
-  };
   return sums.squares / std::max(1.0, sums.weight - columns()) /
-         (1 + options_.template_noise_share * gain * gain * value_gain(at.dx) * value_gain(at.dy));
+         (1 + options_.template_noise_share * gain * gain * quintic_noise(at.dx).value *
+                  quintic_noise(at.dy).value);
 }
 
 /// Expectation of sum w J r that is due to the template's noise alone: its slopes (in J, formed at one

@@ -58,33 +58,15 @@ TemplateMatcher::TemplateMatcher(const MaskedTemplate& pattern)
       height_(pattern.levels.height()),
       shape_(pattern.levels),
       weights_(pattern.weights) {
-  double mean = 0;
-  for (std::size_t i = 0; i < shape_.levels().size(); ++i) {
-    weight_ += weights_.levels()[i];
-    mean += static_cast<double>(weights_.levels()[i]) * shape_.levels()[i];
-  }
-  mean /= weight_;
-  pivot_ = static_cast<float>(mean);
-  double squares = 0;
-  for (std::size_t i = 0; i < shape_.levels().size(); ++i) {
-    const double centred = shape_.levels()[i] - mean;
-    squares += weights_.levels()[i] * centred * centred;
-    shape_.levels()[i] = static_cast<float>(weights_.levels()[i] * centred);
-  }
-  const auto scale = static_cast<float>(squares > 0 ? 1 / std::sqrt(squares) : 0);
-  for (float& level : shape_.levels()) level *= scale;
-  for (int y = 0; y < height_; ++y) {
-    const auto row = weights_.row(y);
-    const auto has = [](float w) { return w > 0; };
-    const auto first = std::find_if(row.begin(), row.end(), has);
-    if (first == row.end()) continue;
-    const auto last = std::find_if(row.rbegin(), row.rend(), has);
-    spans_.push_back({y, static_cast<int>(first - row.begin()), static_cast<int>(row.rend() - last)});
-  }
+  const cv::Mat shape = as_mat(shape_), weights = as_mat(weights_);
+  weight_ = cv::sum(weights)[0];
+  pivot_ = shape.dot(weights) / weight_;
+  cv::Mat centred = (shape - pivot_).mul(weights);
+  const double squares = centred.dot(shape - pivot_);
+  centred.convertTo(shape, CV_32F, squares > 0 ? 1 / std::sqrt(squares) : 0);
   reduction_ = std::clamp(std::min(width_, height_) / 14, 1, 16);
   if (reduction_ > 1) {
-    const Picture weights = averaged(weights_, reduction_);
-    reduced_ = {averaged(pattern.levels, reduction_), weights};
+    reduced_ = {averaged(pattern.levels, reduction_), averaged(pattern.weights, reduction_)};
     for (float& w : reduced_.weights.levels()) w = w > 0.75F ? 1.0F : 0.0F;
   } else {
     reduced_ = pattern;
@@ -92,49 +74,11 @@ TemplateMatcher::TemplateMatcher(const MaskedTemplate& pattern)
 }
 
 double TemplateMatcher::score(const Picture& picture, int x, int y) const {
-  double product = 0;
-  double sum = 0;
-  double squares = 0;
-  for (const Span& span : spans_) {
-    const float* level = picture.row(y + span.y).data() + x;
-    const float* shape = shape_.row(span.y).data();
-    const float* weight = weights_.row(span.y).data();
-    // Four partial sums each: the compiler may not reorder a single one.
-    float p[4] = {}, s[4] = {}, q[4] = {};
-    int i = span.x0;
-    for (; i + 4 <= span.x1; i += 4)
-      for (int k = 0; k < 4; ++k) {
-        const float centred = level[i + k] - pivot_;
-        p[k] += shape[i + k] * centred;
-        s[k] += weight[i + k] * centred;
-        q[k] += weight[i + k] * centred * centred;
-      }
-    for (; i < span.x1; ++i) {
-      const float centred = level[i] - pivot_;
-      p[0] += shape[i] * centred;
-      s[0] += weight[i] * centred;
-      q[0] += weight[i] * centred * centred;
-    }
-    product += static_cast<double>(p[0] + p[1]) + (p[2] + p[3]);
-    sum += static_cast<double>(s[0] + s[1]) + (s[2] + s[3]);
-    squares += static_cast<double>(q[0] + q[1]) + (q[2] + q[3]);
-  }
+  const cv::Mat centred = as_mat(picture)(cv::Rect(x, y, width_, height_)) - pivot_;
+  const cv::Mat weighted = as_mat(weights_).mul(centred);
+  const double sum = cv::sum(weighted)[0], squares = weighted.dot(centred);
   const double spread = squares - sum * sum / weight_;
-  return spread > 1e-6 * (weight_ + squares) ? product / std::sqrt(spread) : 0;
-}
-
-Match TemplateMatcher::best(const Picture& picture, int x0, int y0, int x1, int y1) const {
-  x0 = std::max(x0, 0);
-  y0 = std::max(y0, 0);
-  x1 = std::min(x1, picture.width() - width_);
-  y1 = std::min(y1, picture.height() - height_);
-  Match best;
-  for (int y = y0; y <= y1; ++y)
-    for (int x = x0; x <= x1; ++x) {
-      const double ncc = score(picture, x, y);
-      if (ncc > best.ncc) best = {x, y, ncc};
-    }
-  return best;
+  return spread > 1e-6 * (weight_ + squares) ? as_mat(shape_).dot(centred) / std::sqrt(spread) : 0;
 }
 
 Match TemplateMatcher::climb(const Picture& picture, Match from, int step) const {

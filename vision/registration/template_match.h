@@ -27,32 +27,22 @@ class TemplateMatcher {
  public:
   explicit TemplateMatcher(const MaskedTemplate& pattern);
 
-  int width() const { return width_; }
-  int height() const { return height_; }
-
   /// Score with the template's first pixel at (x, y), which must leave the template inside the picture. 0 on
   /// flat ground.
   double score(const Picture& picture, int x, int y) const;
-
-  /// Best position with x in [x0, x1], y in [y0, y1] (clipped to where the template fits), every one tried.
-  Match best(const Picture& picture, int x0, int y0, int x1, int y1) const;
 
   /// Local maxima of the score over the whole picture, best first, at least `separation` px apart and scoring
   /// at least min_ncc: found on a picture reduced by averaging, then followed uphill at full size.
   std::vector<Match> search(const Picture& picture, double min_ncc, double separation, int max_count) const;
 
  private:
-  struct Span {
-    int y = 0, x0 = 0, x1 = 0;  ///< pixels x0 .. x1 - 1 of row y have weight
-  };
   Match climb(const Picture& picture, Match from, int step) const;
 
   int width_ = 0, height_ = 0;
   Picture shape_;    ///< w (T - <T>) / sqrt(sum w (T - <T>)^2)
   Picture weights_;  ///< w
   double weight_ = 0;
-  float pivot_ = 0;  ///< subtracted from the picture's levels so that sums of squares keep their digits
-  std::vector<Span> spans_;
+  double pivot_ = 0;  ///< subtracted from the picture's levels so that sums of squares keep their digits
   MaskedTemplate reduced_;  ///< averaged over reduction_ x reduction_ pixels
   int reduction_ = 1;
 };

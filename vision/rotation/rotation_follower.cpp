@@ -7,7 +7,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "vision/kernels/bspline.h"
-#include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -65,7 +64,7 @@ Harmonics RingHarmonics::of(const Picture& window, const Point& centre) {
   }
   const QuinticSpline spline(*picture);
   const std::size_t count = offset_x_.size();
-  for (auto* v : {&x_, &y_, &levels_, &transformed_}) v->resize(count);
+  for (auto* v : {&x_, &y_, &levels_}) v->resize(count);
   const auto centre_x = static_cast<float>(x), centre_y = static_cast<float>(y);
   for (std::size_t k = 0; k < count; ++k) {
     x_[k] = centre_x + offset_x_[k];
@@ -73,26 +72,16 @@ Harmonics RingHarmonics::of(const Picture& window, const Point& centre) {
   }
   spline.sample_places(x_, y_, levels_.data(), nullptr, nullptr);
   const auto rings = static_cast<int>(rings_.size());
-  cv::Mat packed(rings, angles_, CV_32F, transformed_.data());  // Re 0, Re 1, Im 1, Re 2, ...
-  cv::dft(cv::Mat(rings, angles_, CV_32F, levels_.data()), packed, cv::DFT_ROWS);
-  Harmonics out{Eigen::ArrayXXf(angles_ / 2, rings), Eigen::ArrayXXf(angles_ / 2, rings)};
-  const float share = 1 / static_cast<float>(angles_);
-  for (int k = 0; k < rings; ++k) {
-    const float* row = packed.ptr<float>(k);
-    float *re = out.re.col(k).data(), *im = out.im.col(k).data();
-    re[0] = share * row[0];
-    im[0] = 0;
-    for (int m = 1; m < angles_ / 2; ++m) {
-      re[m] = share * row[2 * m - 1];
-      im[m] = share * row[2 * m];
-    }
-  }
+  cv::Mat spectrum;
+  cv::dft(cv::Mat(rings, angles_, CV_32F, levels_.data()), spectrum, cv::DFT_ROWS | cv::DFT_COMPLEX_OUTPUT);
+  Harmonics out(angles_ / 2, rings);
+  for (int k = 0; k < rings; ++k)
+    for (int m = 0; m < angles_ / 2; ++m)
+      out(m, k) = spectrum.at<std::complex<float>>(k, m) / static_cast<float>(angles_);
   return out;
 }
 
 namespace {
-
-using std::numbers::pi;
 
 /// Rad turned after which the mean has forgotten all but 1/e. From 0.1 to 0.2 the rendered metals give the
 /// same angles; much more and the metal has changed its look, much less and noise adds up.
@@ -113,60 +102,25 @@ Eigen::ArrayXcd phases(Eigen::Index count, double theta) {
   return out;
 }
 
-/// Sums over one ring, added to five numbers for each harmonic: Re and Im of w conj(T) P, w |T|^2, w |P|^2.
-TRIBOTRACK_CLONES void add_ring(const float* w, const float* t_re, const float* t_im, const float* p_re,
-                                const float* p_im, std::ptrdiff_t count, std::ptrdiff_t orders, float* sums) {
-  float *re = sums, *im = sums + orders, *mean = sums + 2 * orders, *seen = sums + 3 * orders;
-  for (std::ptrdiff_t m = 0; m < count; ++m) {
-    re[m] += w[m] * (t_re[m] * p_re[m] + t_im[m] * p_im[m]);
-    im[m] += w[m] * (t_re[m] * p_im[m] - t_im[m] * p_re[m]);
-    mean[m] += w[m] * (t_re[m] * t_re[m] + t_im[m] * t_im[m]);
-    seen[m] += w[m] * (p_re[m] * p_re[m] + p_im[m] * p_im[m]);
-  }
-}
-
-/// Of the harmonics that count.
-RingSums ring_sums(const Eigen::ArrayXXf& weights, const std::vector<RotationFollower::Span>& spans,
-                   const Harmonics& mean, const Harmonics& seen) {
-  const Eigen::Index orders = weights.rows();
-  Eigen::ArrayXXf sums = Eigen::ArrayXXf::Zero(orders, 4);
-  for (const auto& [k, m, count] : spans)
-    add_ring(&weights(m, k), &mean.re(m, k), &mean.im(m, k), &seen.re(m, k), &seen.im(m, k), count, orders,
-             &sums(m, 0));
-  RingSums out{Eigen::ArrayXcd(orders), sums.col(2).cast<double>(), sums.col(3).cast<double>()};
-  out.correlation.real() = sums.col(0).cast<double>();
-  out.correlation.imag() = sums.col(1).cast<double>();
-  return out;
-}
-
-/// t += share (p c - t) with the phases c, of one ring.
-TRIBOTRACK_CLONES void learn_ring(const float* p_re, const float* p_im, const float* c_re, const float* c_im,
-                                  float share, std::ptrdiff_t orders, float* t_re, float* t_im) {
-  for (std::ptrdiff_t m = 0; m < orders; ++m) {
-    t_re[m] += share * (p_re[m] * c_re[m] - p_im[m] * c_im[m] - t_re[m]);
-    t_im[m] += share * (p_re[m] * c_im[m] + p_im[m] * c_re[m] - t_im[m]);
-  }
+RingSums ring_sums(const Eigen::ArrayXXf& weights, const Harmonics& mean, const Harmonics& seen) {
+  return {(weights * mean.conjugate() * seen).rowwise().sum().cast<std::complex<double>>(),
+          (weights * mean.abs2()).rowwise().sum().cast<double>(),
+          (weights * seen.abs2()).rowwise().sum().cast<double>()};
 }
 
 }  // namespace
 
 RotationFollower::RotationFollower(const Harmonics& first, const Eigen::ArrayXXf& weights, std::int64_t frame)
     : weights_(weights),
-      orders_(Eigen::ArrayXd::LinSpaced(first.orders(), 0, static_cast<double>(first.orders() - 1))),
+      orders_(Eigen::ArrayXd::LinSpaced(first.rows(), 0, static_cast<double>(first.rows() - 1))),
       mean_(first),
       frame_(frame) {
-  for (Eigen::Index k = 0; k < weights_.cols(); ++k) {
-    Eigen::Index begin = 0, end = weights_.rows();
-    while (begin < end && !(weights_(begin, k) > 0)) ++begin;
-    while (end > begin && !(weights_(end - 1, k) > 0)) --end;
-    if (end > begin) spans_.push_back({k, begin, end - begin});
-  }
   const auto count = static_cast<double>((weights_ > 0).count());
   chance_ = std::max(kSeen, kChance / std::sqrt(2 * std::max(1.0, count)));
 }
 
 double RotationFollower::information() const {
-  return (ring_sums(weights_, spans_, mean_, mean_).of_mean * orders_.square()).sum();
+  return (ring_sums(weights_, mean_, mean_).of_mean * orders_.square()).sum();
 }
 
 double RotationFollower::predicted(std::int64_t frame) const {
@@ -174,7 +128,7 @@ double RotationFollower::predicted(std::int64_t frame) const {
 }
 
 std::optional<Turn> RotationFollower::step(const Harmonics& seen, std::int64_t frame) {
-  const RingSums sums = ring_sums(weights_, spans_, mean_, seen);
+  const RingSums sums = ring_sums(weights_, mean_, seen);
   const double expected = predicted(frame);
   double theta = climb(sums.correlation, expected);
   if (correlation_at(sums, theta) < kConfirms * usual_)
@@ -245,10 +199,7 @@ void RotationFollower::learn(const Harmonics& seen, double theta, std::int64_t f
   const double turned = theta - theta_;
   share_ = std::max(1 / (1 / share_ + 1), 1 - std::exp(-std::abs(turned) / kMemory));
   const Eigen::ArrayXcf back = phases(orders_.size(), theta).cast<std::complex<float>>();
-  const Eigen::ArrayXf re = back.real(), im = back.imag();
-  for (const auto& [k, m, count] : spans_)
-    learn_ring(&seen.re(m, k), &seen.im(m, k), &re(m), &im(m), static_cast<float>(share_), count,
-               &mean_.re(m, k), &mean_.im(m, k));
+  mean_ += static_cast<float>(share_) * (seen.colwise() * back - mean_);
   rate_ += kNewest * (turned / static_cast<double>(frame - frame_) - rate_);
   theta_ = theta;
   frame_ = frame;

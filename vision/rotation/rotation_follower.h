@@ -16,16 +16,8 @@
 
 namespace tribotrack::vision {
 
-/// Real and imaginary parts; rows are the harmonics m = 0, 1, ..., columns the rings.
-struct Harmonics {
-  Eigen::ArrayXXf re, im;
-
-  Eigen::Index orders() const { return re.rows(); }
-  Eigen::Index rings() const { return re.cols(); }
-  std::complex<double> operator()(Eigen::Index ring, Eigen::Index order) const {
-    return {static_cast<double>(re(order, ring)), static_cast<double>(im(order, ring))};
-  }
-};
+/// Rows are the harmonics m = 0, 1, ..., columns the rings.
+using Harmonics = Eigen::ArrayXXcf;
 
 class RingHarmonics {
  public:
@@ -50,7 +42,7 @@ class RingHarmonics {
   std::vector<float> offset_x_, offset_y_;  ///< of all places from the centre, ring after ring
   // Work space.
   Picture reduced_;
-  std::vector<float> x_, y_, levels_, transformed_;
+  std::vector<float> x_, y_, levels_;
 };
 
 // How far a disc has turned since the first frame, from the harmonics of its rings.
@@ -76,11 +68,6 @@ struct RingSums {
 
 class RotationFollower {
  public:
-  /// Harmonics of a ring that count: from order `first`, so many.
-  struct Span {
-    Eigen::Index ring, first, count;
-  };
-
   RotationFollower(const Harmonics& first, const Eigen::ArrayXXf& weights, std::int64_t frame);
 
   /// Frames must come in order. Nothing where the part does not look like what was seen so far.
@@ -97,7 +84,6 @@ class RotationFollower {
   void learn(const Harmonics& seen, double theta, std::int64_t frame);
 
   Eigen::ArrayXXf weights_;
-  std::vector<Span> spans_;
   Eigen::ArrayXd orders_;  ///< m
   Harmonics mean_;
   double chance_ = 0;  ///< correlation that noise reaches

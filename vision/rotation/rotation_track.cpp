@@ -23,9 +23,9 @@ constexpr double kLargestSd = 0.2;       ///< rad: known less well than that it 
 /// The weights of the inner rings, so many that both parts know the angle about equally well in this frame.
 Eigen::ArrayXXf inner_half(const Harmonics& first, const Eigen::ArrayXXf& weights) {
   const Eigen::ArrayXf orders =
-      Eigen::ArrayXf::LinSpaced(first.orders(), 0, static_cast<float>(first.orders() - 1));
-  const Eigen::ArrayXXf square = first.re.square() + first.im.square();
-  const Eigen::ArrayXf of_ring = ((weights * square).colwise() * orders.square()).colwise().sum().transpose();
+      Eigen::ArrayXf::LinSpaced(first.rows(), 0, static_cast<float>(first.rows() - 1));
+  const Eigen::ArrayXf of_ring =
+      ((weights * first.abs2()).colwise() * orders.square()).colwise().sum().transpose();
   Eigen::ArrayXXf inner = Eigen::ArrayXXf::Zero(weights.rows(), weights.cols());
   float sum = 0;
   for (Eigen::Index k = 0; k + 1 < weights.cols() && (k == 0 || sum < 0.5F * of_ring.sum()); ++k) {
@@ -43,12 +43,12 @@ struct Turns {
 };
 
 /// What the rings show in some of the frames.
-std::vector<Harmonics> harmonics_of(FrameSource& source, std::span<const PlacedFrame> frames,
+std::vector<Harmonics> harmonics_of(FrameSource& source, std::span<const FirstPassFrame> frames,
                                     std::vector<RingHarmonics>& rings) {
   std::vector<Harmonics> out(frames.size());
   std::mutex reading;
   parallel_for(frames.size(), static_cast<int>(rings.size()), [&](std::size_t k, std::size_t worker) {
-    const PlacedFrame& f = frames[k];
+    const FirstPassFrame& f = frames[k];
     const Rect place = window_about(f.centre, rings[worker].reach(), source.bounds());
     Picture window;
     {
@@ -60,7 +60,7 @@ std::vector<Harmonics> harmonics_of(FrameSource& source, std::span<const PlacedF
   return out;
 }
 
-Turns followed(FrameSource& source, std::span<const PlacedFrame> frames, const RingHarmonics& rings,
+Turns followed(FrameSource& source, std::span<const FirstPassFrame> frames, const RingHarmonics& rings,
                int threads) {
   Turns out;
   std::vector<RingHarmonics> own(static_cast<std::size_t>(std::max(1, threads)), rings);
@@ -69,7 +69,7 @@ Turns followed(FrameSource& source, std::span<const PlacedFrame> frames, const R
   for (std::size_t k = 0; k < frames.size(); ++k) {
     if (k % kAtOnce == 0)
       some = harmonics_of(source, frames.subspan(k, std::min(kAtOnce, frames.size() - k)), own);
-    const PlacedFrame& f = frames[k];
+    const FirstPassFrame& f = frames[k];
     const Harmonics& seen = some[k % kAtOnce];
     if (!all) {
       const Eigen::ArrayXXf near_centre = inner_half(seen, rings.weights());
@@ -131,7 +131,7 @@ double white_ratio(const Turns& turns, double by_halves) {
 }  // namespace
 
 std::vector<std::optional<Rotation>> follow_rotation(FrameSource& source,
-                                                     const std::vector<PlacedFrame>& frames, double radius,
+                                                     const std::vector<FirstPassFrame>& frames, double radius,
                                                      double blur, int threads) {
   const RingHarmonics rings(radius, blur);
   if (!rings.usable() || frames.size() < 2) return {};
@@ -192,14 +192,7 @@ void take_template(const FirstPassResult& first, Track& track) {
 
 PlanStage by_rings(FrameSource& source, const FirstPassResult& first, Track& track, int threads) {
   PlanStage stage{.name = "rotation by rings", .reason = "its texture is not seen again in most frames"};
-  std::vector<PlacedFrame> frames;
-  std::vector<std::size_t> places;
-  for (std::size_t k = 0; k < track.points.size(); ++k)
-    if (track.points[k].status == TrackStatus::ok) {
-      frames.push_back(
-          {first.first_index + static_cast<std::int64_t>(k), {track.points[k].x, track.points[k].y}});
-      places.push_back(k);
-    }
+  const auto [frames, places] = seen_frames(track, first.first_index);
   const auto seen = follow_rotation(source, frames, first.disc.radius, first.blur, threads);
   double low = 0, high = 0;
   std::size_t count = 0;

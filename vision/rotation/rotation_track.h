@@ -6,16 +6,11 @@
 #include <vector>
 
 #include "vision/frame_source.h"
+#include "vision/layers/first_pass.h"
 #include "vision/stages/first_pass_result.h"
 #include "vision/track.h"
 
 namespace tribotrack::vision {
-
-/// A frame in which the disc was found.
-struct PlacedFrame {
-  std::int64_t index = 0;
-  Point centre;
-};
 
 /// One per frame, 0 in the first; nothing where the disc's inside does not look like before. Empty where that
 /// holds for most frames, or no rotation can be seen.
@@ -24,7 +19,7 @@ struct PlacedFrame {
 /// is renewed: from how the angles by the inner and the outer rings, each learnt for itself, drift apart. The
 /// same for any number of threads.
 std::vector<std::optional<Rotation>> follow_rotation(FrameSource& source,
-                                                     const std::vector<PlacedFrame>& frames, double radius,
+                                                     const std::vector<FirstPassFrame>& frames, double radius,
                                                      double blur, int threads = 1);
 
 // The rotation of the part in every frame in which it was found, where its texture shows it.

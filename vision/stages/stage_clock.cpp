@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "vision/stages/debug_pictures.h"
@@ -11,39 +12,22 @@
 namespace tribotrack::vision {
 
 const char* to_string(Stage stage) {
-  switch (stage) {
-    case Stage::reading:
-      return "reading and decoding";
-    case Stage::camera:
-      return "camera: noise, bad pixels";
-    case Stage::finding:
-      return "finding the part";
-    case Stage::setup:
-      return "template of the part";
-    case Stage::part:
-      return "first pass: part";
-    case Stage::marker:
-      return "first pass: marker";
-    case Stage::lamp:
-      return "first pass: gate lamp";
-    case Stage::radius:
-      return "first pass: disc radius";
-    case Stage::layers_learning:
-      return "layers: learning";
-    case Stage::layers_measuring:
-      return "layers: measuring";
-    case Stage::edge:
-      return "edge in bands";
-    case Stage::rotation:
-      return "rotation by rings";
-    case Stage::audit:
-      return "audit";
-    case Stage::debug_pictures:
-      return "debug pictures";
-    case Stage::other:
-      break;
-  }
-  return "other";
+  static constexpr std::array kNames = {"reading and decoding",
+                                        "camera: noise, bad pixels",
+                                        "finding the part",
+                                        "template of the part",
+                                        "first pass: part",
+                                        "first pass: marker",
+                                        "first pass: gate lamp",
+                                        "radius of the disc",
+                                        "layers: learning",
+                                        "layers: measuring",
+                                        "edge in bands",
+                                        "rotation by rings",
+                                        "audit",
+                                        "debug pictures",
+                                        "other"};
+  return kNames[static_cast<std::size_t>(stage)];
 }
 
 std::vector<StageTime> StageClock::times() {

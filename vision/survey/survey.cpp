@@ -37,7 +37,11 @@ class BinnedFrames {
     Picture picture;
     for (const std::int64_t frame : frames) {
       source.read(frame, source.bounds(), picture);
-      frames_.push_back(binned(picture));
+      const cv::Mat levels(picture.height(), picture.width(), CV_32F, picture.levels().data());
+      cv::Mat bins;
+      cv::resize(levels({0, 0, width_ * bin_, height_ * bin_}), bins, {width_, height_}, 0, 0,
+                 cv::INTER_AREA);
+      bins.convertTo(frames_.emplace_back(), CV_8U, 255 / white_);
     }
   }
 
@@ -46,32 +50,13 @@ class BinnedFrames {
   int height() const { return height_; }
   double white() const { return white_; }
   std::size_t count() const { return frames_.size(); }
-  int at(std::size_t frame, int x, int y) const {
-    return frames_[frame][static_cast<std::size_t>(y) * width_ + x];
-  }
+  int at(std::size_t frame, int x, int y) const { return frames_[frame].at<std::uint8_t>(y, x); }
+  const cv::Mat& frame(std::size_t k) const { return frames_[k]; }
 
  private:
-  std::vector<std::uint8_t> binned(const Picture& picture) const {
-    std::vector<std::uint8_t> bins(static_cast<std::size_t>(width_) * height_);
-    std::vector<float> sums(static_cast<std::size_t>(width_));
-    const auto scale = static_cast<float>(255 / (white_ * bin_ * bin_));
-    for (int y = 0; y < height_; ++y) {
-      std::ranges::fill(sums, 0.0F);
-      for (int row = y * bin_; row < (y + 1) * bin_; ++row) {
-        const auto levels = picture.row(row);
-        for (int x = 0; x < width_; ++x)
-          for (int k = 0; k < bin_; ++k) sums[x] += levels[static_cast<std::size_t>(x) * bin_ + k];
-      }
-      for (int x = 0; x < width_; ++x)
-        bins[static_cast<std::size_t>(y) * width_ + x] =
-            static_cast<std::uint8_t>(std::clamp(scale * sums[x] + 0.5F, 0.0F, 255.0F));
-    }
-    return bins;
-  }
-
   int bin_, width_, height_;
   double white_;
-  std::vector<std::vector<std::uint8_t>> frames_;
+  std::vector<cv::Mat> frames_;
 };
 
 /// A series split at the middle of its range.
@@ -120,18 +105,16 @@ TwoLevels two_levels(const BinnedFrames& frames, int x, int y) {
 
 /// 255 where a bin switches.
 cv::Mat switching_bins(const BinnedFrames& frames) {
-  cv::Mat mask(frames.height(), frames.width(), CV_8U, cv::Scalar(0));
-  for (int y = 0; y < frames.height(); ++y) {
-    std::vector<int> low(static_cast<std::size_t>(frames.width()), 255), high(low.size(), 0);
-    for (std::size_t f = 0; f < frames.count(); ++f)
-      for (int x = 0; x < frames.width(); ++x) {
-        low[x] = std::min(low[x], frames.at(f, x, y));
-        high[x] = std::max(high[x], frames.at(f, x, y));
-      }
-    for (int x = 0; x < frames.width(); ++x)
-      if (high[x] - low[x] >= kLeastStep * 255 && two_levels(frames, x, y).is_switched())
-        mask.at<std::uint8_t>(y, x) = 255;
+  cv::Mat low = frames.frame(0).clone(), high = low.clone();
+  for (std::size_t f = 1; f < frames.count(); ++f) {
+    cv::min(low, frames.frame(f), low);
+    cv::max(high, frames.frame(f), high);
   }
+  cv::Mat mask = high - low >= kLeastStep * 255;
+  for (int y = 0; y < frames.height(); ++y)
+    for (int x = 0; x < frames.width(); ++x)
+      if (auto& bin = mask.at<std::uint8_t>(y, x); bin != 0 && !two_levels(frames, x, y).is_switched())
+        bin = 0;
   return mask;
 }
 
@@ -210,10 +193,7 @@ class Candidate {
     double gain[2] = {0, 0};
     int counts[2] = {0, 0};
     for (std::size_t f = 0; f < frames_.count(); ++f) {
-      double sum = 0;
-      for (int y = wide.y; y < wide.y + wide.height; ++y)
-        for (int x = wide.x; x < wide.x + wide.width; ++x) sum += frames_.at(f, x, y);
-      gain[levels_.on[f]] += sum;
+      gain[levels_.on[f]] += cv::sum(frames_.frame(f)(wide))[0];
       ++counts[levels_.on[f]];
     }
     const double own = (levels_.lit - levels_.dark) * static_cast<double>(bins_.size());

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/special_functions/legendre.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -31,17 +33,7 @@ const std::array<float, kCells + 1>& cell_edges() {
 double normal_quantile(double probability) {
   if (!(probability > 0)) return -std::numeric_limits<double>::infinity();
   if (!(probability < 1)) return std::numeric_limits<double>::infinity();
-  if (probability > 0.5) return -normal_quantile(1 - probability);
-  // Newton on log Phi(x), which is concave: from the left it converges from any start.
-  double x = -std::sqrt(-2 * std::log(probability)) - 0.1;
-  for (int iteration = 0; iteration < 50; ++iteration) {
-    const double phi = std::exp(-0.5 * x * x) / std::sqrt(2 * std::numbers::pi);
-    const double cdf = 0.5 * std::erfc(-x / std::numbers::sqrt2);
-    const double step = std::log(cdf / probability) * cdf / phi;
-    x -= step;
-    if (std::abs(step) < 1e-14 * (1 + std::abs(x))) break;
-  }
-  return x;
+  return boost::math::quantile(boost::math::normal(), probability);
 }
 
 CounterRandom::CounterRandom(std::uint64_t seed, std::uint64_t stream)
@@ -124,26 +116,13 @@ double log_error_constant(int n) {
 QuadratureRule gauss_legendre(int points) {
   if (points < 1) throw std::invalid_argument("a quadrature rule needs at least one point");
   QuadratureRule rule;
-  rule.nodes.resize(points);
-  rule.weights.resize(points);
-  for (int i = 0; i < points; ++i) {
-    double x = std::cos(std::numbers::pi * (i + 0.75) / (points + 0.5));
-    double slope = 1;
-    for (int iteration = 0; iteration < 100; ++iteration) {
-      double previous = 1;
-      double legendre = x;
-      for (int n = 2; n <= points; ++n) {
-        const double next = ((2 * n - 1) * x * legendre - (n - 1) * previous) / n;
-        previous = legendre;
-        legendre = next;
-      }
-      slope = points * (x * legendre - previous) / (x * x - 1);
-      const double step = legendre / slope;
-      x -= step;
-      if (std::abs(step) < 1e-15) break;
+  for (const double x : boost::math::legendre_p_zeros<double>(points)) {
+    const double slope = boost::math::legendre_p_prime(points, x), weight = 1 / ((1 - x * x) * slope * slope);
+    for (const double node : {x / 2, -x / 2}) {
+      if (node == 0 && !rule.nodes.empty() && rule.nodes.back() == 0) continue;
+      rule.nodes.push_back(node);
+      rule.weights.push_back(weight);
     }
-    rule.nodes[i] = x / 2;
-    rule.weights[i] = 1 / ((1 - x * x) * slope * slope);
   }
   return rule;
 }

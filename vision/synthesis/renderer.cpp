@@ -198,10 +198,10 @@ void SceneRenderer::Implementation::render_platform(const Frame& frame, Picture&
 void SceneRenderer::Implementation::render_filled(const Frame& frame, Picture& picture) const {
   if (marker) {
     for (int y = 0; y < scene.height; ++y) {
-      fill(row_band(marker->ring(), frame.markers, y, scene.width).filled,
-           static_cast<float>(marker->ring_level()), picture.row(y));
-      fill(row_band(marker->dot(), frame.markers, y, scene.width).filled, static_cast<float>(marker->level()),
-           picture.row(y));
+      fill(row_band(marker->ring, frame.markers, y, scene.width).filled,
+           static_cast<float>(marker->look.ring_level), picture.row(y));
+      fill(row_band(marker->dot, frame.markers, y, scene.width).filled,
+           static_cast<float>(marker->look.level), picture.row(y));
     }
   }
   if (scene.disc.visible) {
@@ -222,8 +222,8 @@ void SceneRenderer::Implementation::render_filled(const Frame& frame, Picture& p
 void SceneRenderer::Implementation::find_edges(const Frame& frame, int y, std::vector<char>& edges) const {
   std::ranges::fill(edges, 0);
   if (marker) {
-    mark(row_band(marker->ring(), frame.markers, y, scene.width), edges);
-    mark(row_band(marker->dot(), frame.markers, y, scene.width), edges);
+    mark(row_band(marker->ring, frame.markers, y, scene.width), edges);
+    mark(row_band(marker->dot, frame.markers, y, scene.width), edges);
   }
   if (scene.disc.visible) mark(row_band(disc.edge(), frame.discs, y, scene.width), edges);
   if (scene.lamp) mark(row_band(lamp_edge, {&scene.lamp->position, 1}, y, scene.width), edges);
@@ -285,7 +285,7 @@ double SceneRenderer::Implementation::scene_at(double x, int texture_column, con
   if (marker) {
     const double dx = x - row.frame.markers[row.node].x;
     const double dy = row.y - row.frame.markers[row.node].y;
-    const double marker_cover = marker->coverage(dx, dy);
+    const double marker_cover = marker->ring.coverage(dx, dy);
     if (marker_cover > 0) {
       level += cover * marker_cover * marker->colour(dx, dy);
       cover *= 1 - marker_cover;

@@ -49,12 +49,6 @@ PlatformTexture::PlatformTexture(const PlatformAppearance& platform, std::uint64
   }
 }
 
-double PlatformTexture::at(double x, double y) const {
-  double sum = 0;
-  for (const Wave& wave : waves_) sum += wave.amplitude * std::cos(wave.kx * x + wave.ky * y + wave.phase);
-  return sum;
-}
-
 double PlatformTexture::max_wave_number() const {
   double largest = 0;
   for (const Wave& wave : waves_) largest = std::max({largest, std::abs(wave.kx), std::abs(wave.ky)});

@@ -26,8 +26,6 @@ class PlatformTexture {
   PlatformTexture(const PlatformAppearance& platform, std::uint64_t seed);
 
   const std::vector<Wave>& waves() const { return waves_; }
-  /// Grey levels about zero at a place of the platform; the definition, slow.
-  double at(double x, double y) const;
   /// The largest component of any wave vector, rad/px.
   double max_wave_number() const;
 

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "vision/io/levels.h"
 #include "vision/kernels/bspline.h"
 #include "vision/tags/dictionary.h"
 #include "vision/tracker.h"
@@ -52,14 +53,8 @@ cv::Mat to_8_bit(const Picture& picture) {
   const cv::Mat levels(picture.height(), picture.width(), CV_32F,
                        const_cast<float*>(picture.levels().data()));
   std::vector<float> sorted(picture.levels().begin(), picture.levels().end());
-  const auto rank = [&](double share) {
-    const auto at =
-        sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
-    std::nth_element(sorted.begin(), at, sorted.end());
-    return static_cast<double>(*at);
-  };
-  const double low = rank(0.01);
-  const double high = std::max(low + 1, rank(0.99));
+  const double low = level_of_share(sorted, 0.01),
+               high = std::max(low + 1, double{level_of_share(sorted, 0.99)});
   cv::Mat out;
   levels.convertTo(out, CV_8U, 240 / (high - low), 8 - 240 * low / (high - low));
   return out;

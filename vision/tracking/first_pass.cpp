@@ -11,11 +11,6 @@
 namespace tribotrack::vision {
 namespace {
 
-/// In how many frames the rim is measured, about: in fewer the longer it is.
-std::int64_t rim_frames(double radius) {
-  return static_cast<std::int64_t>(std::clamp(480 / std::max(1.0, radius), 4.0, 16.0));
-}
-
 /// The call's result, its time counted for a stage.
 template <class Call>
 auto timed(StageClock& clock, Stage stage, const Call& call) {
@@ -71,10 +66,9 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
       rim_(rim_of(setup_, first_)),
       rim_shape_(shape_in(first_, rim_)),
       part_(setup_.average.picture(first_), range.first, setup_.pattern, setup_.follow, rim_shape_),
-      marker_(timed(
-          clock, Stage::marker,
-          [&] { return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc); })),
-      mean_radius_(setup_.disc, range.count() / rim_frames(setup_.disc.radius), rim_) {
+      marker_(timed(clock, Stage::marker, [&] {
+        return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc);
+      })) {
   if (options.gate) lamp_.emplace(*options.gate, source);
   if (asks_ground(options)) {
     const auto running = clock.enter(Stage::marker);
@@ -117,7 +111,8 @@ std::optional<Circle> FirstPass::mark() const {
 }
 
 FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
-  FollowStep step = timed(clock_, Stage::part, [&] { return part_.step(source_, index, audited_.wanted()); });
+  FollowStep step =
+      timed(clock_, Stage::part, [&] { return part_.step(source_, index, in_audit(audited_, index)); });
   if (step.confirms_previous && tentative_) {
     fill(track_.points.back(), *tentative_);
     result_.theta.back() = tentative_->pose.theta;
@@ -137,13 +132,8 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
   if (!ok) return step;
   fill(point, *step.sighting);
   if (!step.sighting->by_rim) excess_.push_back(step.sighting->excess_rms);
-  std::optional<AuditFrame> audited;
-  if (step.sighting->halves) audited = {index, *step.sighting->halves, step.sighting->covariance};
-  audited_.seen(audited);
-  if (setup_.pattern.radius > 0) {
-    const auto running = clock_.enter(Stage::radius);
-    mean_radius_.see(source_, index, step.sighting->position);
-  }
+  if (step.sighting->halves)
+    result_.audited.push_back({index, *step.sighting->halves, step.sighting->covariance});
   return step;
 }
 
@@ -215,7 +205,6 @@ Track FirstPass::finish(TrackSummary& summary) {
     if (still) summary.gate_passed = false;
   }
   result_.excess = median(excess_);
-  result_.audited = audited_.frames();
   return std::move(track_);
 }
 

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "vision/audit/halves.h"
-#include "vision/discs/mean_radius.h"
 #include "vision/platform_motion/motion.h"
 #include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
@@ -37,8 +36,6 @@ class FirstPass {
 
   /// Complete after finish().
   const FirstPassResult& result() const { return result_; }
-  /// The disc's mean radius, where enough frames show its rim.
-  std::optional<MeanRadius> radius() const { return mean_radius_.radius(); }
   /// To TrackOptions::debug: template, weights, and in each of these frames window, prediction and residual.
   void show(const Track& track, const std::vector<ShownFrame>& frames);
 
@@ -64,8 +61,7 @@ class FirstPass {
   std::optional<GroundSampler> glance_;  ///< at the ground: does it move?
   Point last_seen_;                      ///< the part
   std::optional<GateLamp> lamp_;
-  RimWatch mean_radius_;
-  AuditSample audited_;  ///< frames whose halves are compared
+  std::vector<AuditRun> audited_;  ///< frames whose halves are compared
   FirstPassResult result_;
 
   Track track_;

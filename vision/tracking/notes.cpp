@@ -248,7 +248,10 @@ std::string TrackSummary::brief_report() const {
   if (rests_for_ever)
     text += "; NOT ACCEPTED: what was found by itself never moves";
   else if (!gate_passed)
-    text += "; NOT ACCEPTED: lost in more than the allowed share of frames";
+    text +=
+        "; NOT ACCEPTED: lost in more than the allowed share of frames (if something covers the part at "
+        "first, begin "
+        "later: --frames)";
   return text;
 }
 

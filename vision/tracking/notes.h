@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "vision/edge/chamfer.h"
+#include "vision/edge/radius.h"
 #include "vision/following/pattern_follower.h"
 #include "vision/tracker.h"
 

@@ -9,7 +9,7 @@
 
 namespace tribotrack::vision {
 
-/// The template and the weights of its pixels.
+/// The template.
 void show_template(const PartSetup& part, const Picture& first, DebugSink& sink);
 
 /// Window, prediction by the template and residual in each of these frames, which are read again. `track` as

@@ -207,19 +207,6 @@ void show_template(const PartSetup& part, const Picture& first, DebugSink& sink)
       .levels = registration.at({}, window),
       .first = at,
       .place = "of the camera"});
-  Picture weights = part.pattern.weights;
-  const Picture chosen = registration.chosen();
-  for (std::size_t k = 0; k < weights.levels().size(); ++k)
-    weights.levels()[k] = 0.5F * (weights.levels()[k] + chosen.levels()[k]);
-  sink.show(StagePicture{.name = "first_pass_weights",
-                         .title = "pixels of the template: 1 used, 0.5 in the mask but not informative",
-                         .why_frame = "where the part is in the first frame",
-                         .levels = std::move(weights),
-                         .unit = "weight",
-                         .first = at,
-                         .place = "of the camera",
-                         .low = 0,
-                         .high = 1});
 }
 
 void show_first_pass(const PartSetup& part, const Picture& first, const FirstPassResult& result,

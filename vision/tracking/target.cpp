@@ -171,30 +171,4 @@ void ask_if_it_rests(FrameSource& source, std::int64_t start, const Track& track
   throw AmbiguousTarget(what, frame, false, std::move(question->discs));
 }
 
-std::optional<BetterStart> start_after_loss(FrameSource& source, std::int64_t start, const Track& track,
-                                            const Circle& disc, const TrackOptions& options) {
-  if (!(disc.radius > 0)) return std::nullopt;
-  const auto total = static_cast<std::int64_t>(track.points.size());
-  const auto lost = std::ranges::find(track.points, TrackStatus::lost, &TrackPoint::status);
-  const auto first_lost = static_cast<std::int64_t>(lost - track.points.begin());
-  const auto seen_after = std::count_if(lost, track.points.end(),
-                                        [](const TrackPoint& p) { return p.status == TrackStatus::ok; });
-  if (2 * first_lost > total || 2 * seen_after > total - first_lost) return std::nullopt;
-  for (std::int64_t after = 1; 2 * (first_lost + after) <= total; after *= 2) {
-    const std::int64_t index = start + first_lost + after;
-    const auto found = discs_in(source.read(index), options);
-    const bool any = options.target.kind == Target::Kind::find_disc;
-    const DiscFit* part = any && !found.empty() ? &found.front() : nearest_like(found, disc);
-    if (!part) continue;
-    if (discs_alike(found, *part).size() > 1) return std::nullopt;
-    if (part->coverage < kWhole) continue;
-    return BetterStart{
-        index, part->circle,
-        fmt::format("the part is lost after frame {}: something covered it in frame {}, and "
-                    "tracking begins in frame {}",
-                    source.number(start + first_lost - 1), source.number(start), source.number(index))};
-  }
-  return std::nullopt;
-}
-
 }  // namespace tribotrack::vision

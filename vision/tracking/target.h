@@ -38,18 +38,4 @@ DiscFit find_part(const Picture& first, const FrameSource& source, std::int64_t 
 void ask_if_it_rests(FrameSource& source, std::int64_t start, const Track& track, const Circle& disc,
                      const TrackOptions& options);
 
-/// Another start for a track that loses the part early and for most of its frames: a hand lay over it, and
-/// the template shows the hand.
-struct BetterStart {
-  std::int64_t index = 0;
-  Circle disc;  ///< in that frame
-  std::string warning;
-};
-
-/// The first of the frames 1, 2, 4, ... after the part is first lost that shows one disc of its size (any,
-/// where the part is to be found), and one only; that frame at the latest that lies half of the recording
-/// after the first. `track` begins with frame `start`; `disc` is the part in it.
-std::optional<BetterStart> start_after_loss(FrameSource& source, std::int64_t start, const Track& track,
-                                            const Circle& disc, const TrackOptions& options);
-
 }  // namespace tribotrack::vision

@@ -117,13 +117,93 @@ void note_gravity(Campaign& campaign) {
                     g));
 }
 
+std::vector<std::string> names_of(const std::vector<PartSection>& parts) {
+  std::vector<std::string> names;
+  for (const PartSection& part : parts) names.push_back(part.name);
+  return names;
+}
+
+/// Does the run show this part?
+bool shows(const CampaignRun& run, const PartSection& part) {
+  if (!run.parts.empty()) return run.parts.contains(part.name);
+  return run.part.empty() || run.part == part.name;
+}
+
+/// The run as that of one part: where it lies at first is said by the run, else by the part.
+CampaignRun run_of_part(CampaignRun run, const PartSection& part) {
+  if (const auto place = run.parts.find(part.name); place != run.parts.end())
+    run.target = place->second;
+  else if (!is_given(run.target))
+    run.target = part.target;
+  run.parts.clear();
+  run.part = part.name;
+  return run;
+}
+
+void require_known(const Campaign& campaign, const CampaignRun& run, const std::string& name) {
+  const std::vector<std::string> names = names_of(campaign.parts);
+  if (std::ranges::find(names, name) != names.end()) return;
+  throw InvalidInput(fmt::format("{}: there is no [[part]] named \"{}\"; there are: {}", run.place, name,
+                                 fmt::join(names, ", ")));
+}
+
+/// [part], or [[part]] for several. One [[part]] is a [part].
+void read_part_or_parts(StrictTable& top, Campaign& campaign) {
+  if (!top.is_list("part")) {
+    if (auto table = top.table("part")) campaign.part = read_part(*table);
+    return;
+  }
+  std::set<std::string> taken;
+  for (StrictTable& table : top.tables("part")) {
+    campaign.parts.push_back(read_part(table));
+    const std::string& name = campaign.parts.back().name;
+    if (name.empty()) table.fail("name", "is missing: each of several [[part]] has a `name`");
+    if (name.find('/') != std::string::npos || name == "." || name == "..")
+      table.fail("name", fmt::format("\"{}\" cannot be a folder's name", name));
+    if (!taken.insert(name).second)
+      table.fail("name", fmt::format("\"{}\" is taken by an earlier part", name));
+  }
+  if (campaign.parts.size() != 1) return;
+  campaign.part = campaign.parts.front();
+  campaign.parts.clear();
+}
+
+/// Refuses runs whose part is not known, or where it is not known where a part lies.
+void check_parts(const Campaign& campaign) {
+  if (campaign.parts.empty()) {
+    for (const CampaignRun& run : campaign.runs)
+      if (!run.parts.empty() || (!run.part.empty() && run.part != campaign.part.name))
+        throw InvalidInput(
+            fmt::format("{}: names a part, but the campaign has no [[part]] of that name", run.place));
+    return;
+  }
+  if (!campaign.data.tables.empty())
+    throw InvalidInput(fmt::format(
+        "{}: a table of alpha and v is one part's, and this campaign has {}: give it a campaign of its own",
+        campaign.file.string(), campaign.parts.size()));
+  for (const CampaignRun& run : campaign.runs) {
+    if (!run.part.empty()) require_known(campaign, run, run.part);
+    for (const auto& [name, place] : run.parts) require_known(campaign, run, name);
+    if (!run.part.empty() || !run.parts.empty()) continue;
+    const bool placed = std::ranges::all_of(campaign.parts, is_given, &PartSection::target);
+    if (!run.video || !placed || is_given(run.target))
+      throw InvalidInput(fmt::format(
+          "{}: run \"{}\": does not say where each part lies; give parts = {{ {} = [X, Y, R] }} ([X, Y, "
+          "WIDTH, "
+          "HEIGHT] for a part of any shape), or part = \"{}\" where it shows one; `tribotrack probe VIDEO "
+          "--picture FIRST.png` shows what lies where",
+          run.place, run.name, fmt::join(names_of(campaign.parts), " = [X, Y, R], "),
+          campaign.parts.front().name));
+  }
+}
+
 /// Everything but what only holds between sections.
 void read_sections(StrictTable& top, Campaign& campaign) {
   const fs::path folder = campaign.file.parent_path();
   read_keys(top, top_keys(), campaign);
-  if (auto table = top.table("platform")) campaign.platform = read_platform(*table, WithSd::yes);
+  if (auto table = top.table("platform")) campaign.platform = read_platform(*table);
   read_part_or_parts(top, campaign);
-  if (auto table = top.table("camera")) campaign.camera = read_camera(*table, folder, WithSd::yes);
+  if (auto table = top.table("camera")) campaign.camera = read_camera(*table, folder);
   if (auto table = top.table("scope")) campaign.scope = read_scope(*table);
   if (auto table = top.table("data")) campaign.data = read_data(*table, folder);
   if (auto table = top.table("fit")) campaign.fit = read_fit(*table);
@@ -213,95 +293,6 @@ fs::path campaign_file(const fs::path& given) {
 
 fs::path output_of(const fs::path& campaign) {
   return campaign.parent_path() / (campaign.stem().string() + "-out");
-}
-
-namespace {
-
-std::vector<std::string> names_of(const std::vector<PartSection>& parts) {
-  std::vector<std::string> names;
-  for (const PartSection& part : parts) names.push_back(part.name);
-  return names;
-}
-
-bool is_place(const PartSection& part) {
-  return part.disc_px || part.template_px;
-}
-
-/// Does the run show this part?
-bool shows(const CampaignRun& run, const PartSection& part) {
-  if (!run.parts.empty()) return run.parts.contains(part.name);
-  return run.part.empty() || run.part == part.name;
-}
-
-/// The run as that of one part: where it lies at first is said by the run, else by the part.
-CampaignRun run_of_part(CampaignRun run, const PartSection& part) {
-  if (const auto place = run.parts.find(part.name); place != run.parts.end()) {
-    run.disc_px = place->second.disc_px;
-    run.template_px = place->second.template_px;
-  } else if (!run.disc_px && !run.template_px) {
-    run.disc_px = part.disc_px;
-    run.template_px = part.template_px;
-  }
-  run.parts.clear();
-  run.part = part.name;
-  return run;
-}
-
-void require_known(const Campaign& campaign, const CampaignRun& run, const std::string& name) {
-  const std::vector<std::string> names = names_of(campaign.parts);
-  if (std::ranges::find(names, name) != names.end()) return;
-  throw InvalidInput(fmt::format("{}: there is no [[part]] named \"{}\"; there are: {}", run.place, name,
-                                 fmt::join(names, ", ")));
-}
-
-}  // namespace
-
-void read_part_or_parts(StrictTable& top, Campaign& campaign) {
-  if (!top.is_list("part")) {
-    if (auto table = top.table("part")) campaign.part = read_part(*table, WithSd::yes);
-    return;
-  }
-  std::set<std::string> taken;
-  for (StrictTable& table : top.tables("part")) {
-    campaign.parts.push_back(read_part(table, WithSd::yes));
-    const std::string& name = campaign.parts.back().name;
-    if (name.empty()) table.fail("name", "is missing: each of several [[part]] has a `name`");
-    if (name.find('/') != std::string::npos || name == "." || name == "..")
-      table.fail("name", fmt::format("\"{}\" cannot be a folder's name", name));
-    if (!taken.insert(name).second)
-      table.fail("name", fmt::format("\"{}\" is taken by an earlier part", name));
-  }
-  if (campaign.parts.size() != 1) return;
-  campaign.part = campaign.parts.front();
-  campaign.parts.clear();
-}
-
-void check_parts(const Campaign& campaign) {
-  if (campaign.parts.empty()) {
-    for (const CampaignRun& run : campaign.runs)
-      if (!run.parts.empty() || (!run.part.empty() && run.part != campaign.part.name))
-        throw InvalidInput(
-            fmt::format("{}: names a part, but the campaign has no [[part]] of that name", run.place));
-    return;
-  }
-  if (!campaign.data.tables.empty())
-    throw InvalidInput(fmt::format(
-        "{}: a table of alpha and v is one part's, and this campaign has {}: give it a campaign of its own",
-        campaign.file.string(), campaign.parts.size()));
-  for (const CampaignRun& run : campaign.runs) {
-    if (!run.part.empty()) require_known(campaign, run, run.part);
-    for (const auto& [name, place] : run.parts) require_known(campaign, run, name);
-    if (!run.part.empty() || !run.parts.empty()) continue;
-    const bool placed = std::ranges::all_of(campaign.parts, is_place);
-    if (!run.video || !placed || run.disc_px || run.template_px)
-      throw InvalidInput(fmt::format(
-          "{}: run \"{}\": does not say where each part lies; give parts = {{ {} = [X, Y, R] }} ([X, Y, "
-          "WIDTH, "
-          "HEIGHT] for a part of any shape), or part = \"{}\" where it shows one; `tribotrack probe VIDEO "
-          "--picture FIRST.png` shows what lies where",
-          run.place, run.name, fmt::join(names_of(campaign.parts), " = [X, Y, R], "),
-          campaign.parts.front().name));
-  }
 }
 
 std::vector<Campaign> campaigns_by_part(const Campaign& campaign) {

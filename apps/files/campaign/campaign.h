@@ -61,7 +61,7 @@ struct CampaignRun {
   bool has_track() const { return video || track; }
   /// Which of the campaign's parts, where there are several: one, or where each lies at first.
   std::string part;
-  std::map<std::string, PartPlace> parts;
+  std::map<std::string, vision::Target> parts;
   bool free_slide = false;
   /// Of a free slide on an incline, as in fit::TrajectoryRun. rad
   std::optional<double> slope, slope_sd;
@@ -76,8 +76,8 @@ struct CampaignRun {
   std::optional<std::int64_t> first_frame, last_frame;
   std::int64_t frame_step = 1;
   std::optional<double> mm_per_px, mm_per_px_sd;
-  std::optional<vision::Circle> disc_px, marker_px;
-  std::optional<vision::Rect> template_px;                   ///< instead of a disc
+  vision::Target target;  ///< the part in the first analysed frame
+  std::optional<vision::Circle> marker_px;
   std::optional<std::filesystem::path> scope, second_scope;  ///< two where a file holds one channel
   // Measured elsewhere.
   std::optional<double> alpha, alpha_sd;  ///< rad
@@ -138,13 +138,5 @@ double default_sd(const Exact& exact, std::string_view key, double value, const 
 
 /// Factor from campaign units (mm) to SI (m).
 double si_per_campaign_unit(fit::FitParameter parameter);
-
-// Several parts in one campaign: each has its own runs, fit and results.
-
-/// [part], or [[part]] for several. One [[part]] is a [part]. Throws InvalidInput.
-void read_part_or_parts(StrictTable& top, Campaign& campaign);
-
-/// Refuses runs whose part is not known, or where it is not known where a part lies.
-void check_parts(const Campaign& campaign);
 
 }  // namespace tribotrack::apps

@@ -11,11 +11,11 @@
 #include <optional>
 #include <utility>
 
-#include "apps/files/campaign/alpha_v_table.h"
 #include "apps/files/campaign/campaign.h"
 #include "apps/files/campaign/keys.h"
 #include "apps/files/campaign/sections.h"
 #include "apps/program/errors.h"
+#include "apps/text/angle.h"
 #include "apps/text/csv_table.h"
 #include "fit/pooling.h"
 
@@ -43,85 +43,36 @@ bool same_point(const CampaignRun& a, const CampaignRun& b) {
          a.cycles == b.cycles;
 }
 
-/// The points seen so far, by where they lie in phi and dtau: whether a line repeats one of many is known
-/// without looking at them all.
-class PointsByPlace {
- public:
-  void add(const CampaignRun& line, std::size_t point) { cells_[cell_of(line)].push_back(point); }
-  /// The first of those that lie near, in the order of their numbers, for which `wanted` holds.
-  template <class Wanted>
-  std::optional<std::size_t> find(const CampaignRun& line, const Wanted& wanted) const {
-    std::optional<std::size_t> first;
-    const auto [phi, dtau] = cell_of(line);
-    for (long long i = -1; i <= 1; ++i)
-      for (long long j = -1; j <= 1; ++j)
-        if (const auto cell = cells_.find({(phi + i + kTurn) % kTurn, dtau + j}); cell != cells_.end())
-          for (const std::size_t point : cell->second)
-            if ((!first || point < *first) && wanted(point)) first = point;
-    return first;
-  }
-
- private:
-  using Cell = std::pair<long long, long long>;
-  // Of 1e-5 rad: numbers that mean the same lie in one cell or in neighbouring ones.
-  static constexpr long long kTurn = 628'318;  ///< cells of a turn
-  static Cell cell_of(const CampaignRun& line) {
-    const double turns = line.phi / (2 * std::numbers::pi);
-    return {static_cast<long long>((turns - std::floor(turns)) * kTurn) % kTurn,
-            static_cast<long long>(std::floor(line.dtau * (kTurn / (2 * std::numbers::pi))))};
-  }
-  std::map<Cell, std::vector<std::size_t>> cells_;
-};
-
 /// Where no sd is known: of the first such line.
 [[noreturn]] void refuse_without_sd(const CampaignRun& line, const fit::PooledPoints& pooled) {
-  const bool alpha = !line.alpha_sd, v = !line.v_sd;
+  std::vector<std::string> unknown, columns, keys;
+  const auto add = [&](bool known, const char* quantity, const char* column, const char* key) {
+    if (known) return;
+    unknown.emplace_back(quantity);
+    columns.emplace_back(column);
+    keys.emplace_back(key);
+  };
+  add(line.alpha_sd.has_value(), "alpha", "alpha_sd_deg", "alpha_sd_rad = \"2deg\"");
+  add(line.v_sd.has_value(), "v", "v_sd_mm_s", "v_sd_mm_s = 0.1");
   throw InvalidInput(fmt::format(
       "{}: nothing says how good its {} {}: {}; fill in {}, or give the sd of all lines once, [data] {}",
-      line.place,
-      alpha && v ? "alpha and v"
-      : alpha    ? "alpha"
-                 : "v",
-      alpha && v ? "are" : "is",
+      line.place, fmt::join(unknown, " and "), unknown.size() > 1 ? "are" : "is",
       pooled.along.dof + pooled.across.dof == 0 ? "it has no sd and no point of the table is measured twice"
                                                 : "it has no sd and the repeats do not differ",
-      alpha && v ? "alpha_sd_deg and v_sd_mm_s"
-      : alpha    ? "alpha_sd_deg"
-                 : "v_sd_mm_s",
-      alpha && v ? "alpha_sd_rad = \"2deg\", v_sd_mm_s = 0.1"
-      : alpha    ? "alpha_sd_rad = \"2deg\""
-                 : "v_sd_mm_s = 0.1"));
+      fmt::join(columns, " and "), fmt::join(keys, ", ")));
 }
 
 using Points = std::vector<std::vector<std::size_t>>;  ///< the lines of each
 
-/// The lines of all tables.
-std::vector<CampaignRun> lines_of(Campaign& campaign) {
-  std::vector<CampaignRun> lines;
-  for (const fs::path& path : campaign.data.tables) {
-    AlphaVTable table = read_alpha_v_table(path, campaign.fit);
-    campaign.table_inputs.push_back(table.input);
-    std::ranges::move(table.notes, std::back_inserter(campaign.notes));
-    std::ranges::move(table.runs, std::back_inserter(lines));
-  }
-  for (CampaignRun& line : lines) {
-    if (!line.alpha_sd) line.alpha_sd = campaign.data.alpha_sd;
-    if (!line.v_sd) line.v_sd = campaign.data.v_sd;
-  }
-  return lines;
-}
-
 Points points_of(const std::vector<CampaignRun>& lines) {
   Points points;
-  PointsByPlace known;
   for (std::size_t k = 0; k < lines.size(); ++k) {
-    const auto repeated = known.find(
-        lines[k], [&](std::size_t point) { return same_point(lines[points[point].front()], lines[k]); });
-    if (!repeated) {
-      known.add(lines[k], points.size());
-      points.emplace_back();
-    }
-    points[repeated.value_or(points.size() - 1)].push_back(k);
+    const auto repeated = std::ranges::find_if(
+        points, [&](const auto& point) { return same_point(lines[point.front()], lines[k]); });
+    if (repeated == points.end())
+      points.push_back({k});
+    else
+      repeated->push_back(k);
   }
   return points;
 }
@@ -186,32 +137,43 @@ void note(Campaign& campaign, std::size_t lines, std::size_t points, const fit::
         pooled.scattered, pooled.chi2, pooled.chi2_dof));
 }
 
-/// A column of a table of runs: the key that it gives, and the factor from its unit to the key's.
+/// A column of a table of runs: the key that it gives, and the factors from its unit to the key's.
 struct RunColumn {
   const KeyFacts* key = nullptr;
-  std::string name;   ///< the key's, or another of the same quantity
-  double factor = 1;  ///< 0: the column says no unit
+  std::string name;  ///< the key's, or another of the same quantity
+  double factor = 1,
+         to_named = 1;  ///< to the unit of `name`, 0: the column says none; from there to the key's
   bool degrees = false;
 };
 
-/// Nothing where no key of a run is of this quantity and dimension.
-RunColumn run_column(Heading heading) {
-  for (const char* word : {"file", "filename", "file_name", "recording", "movie"})
-    if (heading.quantity == word) heading.quantity = "video";
+/// What people write for the quantity of a key.
+const std::map<std::string, std::string, std::less<>> kAlsoCalled = {
+    {"file", "video"},  {"filename", "video"}, {"file_name", "video"},     {"recording", "video"},
+    {"movie", "video"}, {"d_tau", "dtau"},     {"delta_tau", "dtau"},      {"velocity", "v"},
+    {"speed", "v"},     {"f", "frequency"},    {"w", "angular_frequency"}, {"run", "name"}};
+
+/// Nothing where no key of a run, of these alone where there are any, is of this quantity and dimension.
+RunColumn run_column(Heading heading, const std::vector<std::string>& only) {
+  if (const auto known = kAlsoCalled.find(heading.quantity); known != kAlsoCalled.end())
+    heading.quantity = known->second;
   for (const KeyFacts& key : run_keys()) {
+    if (!only.empty() && std::ranges::count(only, key.quantity()) == 0) continue;
     std::vector<OtherName> names = other_names(key.quantity());
     names.insert(names.begin(), {key.quantity()});
     for (const OtherName& name : names) {
       const Heading own = heading_of(name.name);
-      if (own.quantity != heading.quantity || key.kind.is_sd() != heading.sd) continue;
-      const RunColumn column{&key, name.name + (heading.sd ? "_sd" : ""), 1, heading.unit == "deg"};
+      if (own.quantity != heading.quantity || (own.sd || key.kind.is_sd()) != heading.sd) continue;
+      RunColumn column{&key, name.name + (key.kind.is_sd() ? "_sd" : ""), 1, name.factor,
+                       heading.unit == "deg"};
       if (heading.unit == own.unit) return column;
-      if (heading.unit.empty()) return {column.key, column.name, 0};
+      column.factor = 0;
+      if (heading.unit.empty()) return column;
       for (int k = 0; k <= static_cast<int>(Dimension::voltage); ++k) {
         const auto from = si_per(heading.unit, static_cast<Dimension>(k)),
                    to = si_per(own.unit, static_cast<Dimension>(k));
-        if (from && to) return {column.key, column.name, *from / *to, column.degrees};
+        if (from && to) column.factor = *from / *to;
       }
+      if (column.factor > 0) return column;
     }
   }
   return {};
@@ -223,6 +185,19 @@ std::string campaign_angle(std::string text) {
     if (const std::string_view end = written; text.ends_with(end))
       return text.substr(0, text.find_last_not_of(' ', text.size() - end.size() - 1) + 1) + meant;
   return text;
+}
+
+Json angle_in(const CsvTable& table, std::string_view cell, const RunColumn& column) {
+  const bool number = table.number_in(cell).has_value();
+  const std::string text = number ? table.with_point(cell) + (column.degrees ? "deg" : "")
+                                  : campaign_angle(table.with_point(cell));
+  const auto radians = parse_angle(text);
+  if (!radians)
+    table.fail(cell, fmt::format("`{}` is no angle; write a number, \"pi/3\" or \"60deg\"", cell));
+  if (const std::string slip = angle_slip(*radians); !slip.empty())
+    table.fail(cell, fmt::format("`{}` {}", cell, slip));
+  const bool as_written = !parse_number(text) && column.key->kind.form != Kind::above_zero;
+  return as_written ? Json(text) : Json(*radians);
 }
 
 Json value_in(const CsvTable& table, std::string_view cell, const RunColumn& column) {
@@ -241,58 +216,161 @@ Json value_in(const CsvTable& table, std::string_view cell, const RunColumn& col
     default:
       break;
   }
-  const auto number = table.number_in(cell);
-  if (number && column.factor == 0)
+  if (column.factor == 0 && table.number_in(cell))
     table.fail(cell, fmt::format("`{}` has no unit: name its column {}, or another unit", cell, column.name));
-  const bool angle = column.key->quantity().ends_with("_rad");
-  if (number && column.degrees) return fmt::format("{}deg", *number);
-  if (!number && angle) return campaign_angle(table.with_point(cell));  // "pi/3"
+  if (column.key->quantity().ends_with("_rad")) return angle_in(table, cell, column);
   return column.factor * table.number(cell);
+}
+
+/// Keys of a run that a table of alpha and v may give.
+const std::vector<std::string> kOfAlphaV = {
+    "name",           "cycles", "phi_rad",   "dtau_rad",     "alpha_rad",
+    "alpha_sd_rad",   "v_mm_s", "v_sd_mm_s", "amplitude_mm", "angular_frequency_rad_s",
+    "start_phase_rad"};
+
+/// What else is taken from a runs.csv.
+const std::vector<std::string> kInsteadOfAlpha = {"dx", "dy", "kind", "failure"};
+
+/// The columns of a table. Throws for a key that two of them give.
+std::vector<RunColumn> columns_of(const CsvTable& table, const std::vector<std::string>& only) {
+  std::vector<RunColumn> columns;
+  for (std::size_t k = 0; k < table.header().size(); ++k) {
+    const RunColumn column = run_column(table.heading(k), only);
+    if (column.key != nullptr && std::ranges::count(columns, column.name, &RunColumn::name) > 0)
+      table.fail(table.header()[k], fmt::format("the column `{}` is there twice: one of {} is enough",
+                                                table.header()[k], column.name));
+    columns.push_back(column);
+  }
+  return columns;
+}
+
+void require_alpha_and_v(const CsvTable& table, const std::vector<RunColumn>& columns,
+                         const std::vector<std::string>& unused) {
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    if (columns[k].key != nullptr && columns[k].factor == 0)
+      table.fail(table.header()[k],
+                 fmt::format("the column `{}` has no unit that is known in its name; write {}",
+                             table.header()[k], columns[k].name));
+  for (const char* needed : {"phi_rad", "dtau_rad", "alpha_rad", "v_mm_s"}) {
+    if (std::ranges::count(columns, needed, &RunColumn::name) > 0) continue;
+    const std::string near = nearest_word(needed, unused);
+    table.fail(
+        fmt::format("has no column {}{}: {}; a table of alpha and v has the columns phi_deg, dtau_deg, "
+                    "alpha_deg and v_mm_s (angles also as _rad), with alpha_sd_deg and v_sd_mm_s where "
+                    "they are known",
+                    needed, near.empty() ? "" : fmt::format(" (is it `{}`?)", near), table.holds()));
+  }
+}
+
+CampaignRun run_of(const RunList::Line& line, const Campaign& campaign, bool with_sds = true) {
+  StrictTable keys = StrictTable::of(line.keys, line.place);
+  CampaignRun run = read_run(keys, campaign, with_sds);
+  for (const auto& [key, sd] : line.digits) run.digits[key] = sd;
+  return run;
+}
+
+/// A table that the campaign names, with its hash and a note of what is not used of it.
+RunList listed(const fs::path& path, Campaign& campaign, const std::vector<std::string>& only) {
+  if (!fs::is_regular_file(path))
+    throw InvalidInput(fmt::format("{}: there is no such table; check [data]", path.string()));
+  std::string text = read_text(path);
+  campaign.table_inputs.push_back(hashed_input(path, text));
+  RunList list = read_run_list(path, std::move(text), only);
+  if (!list.unused.empty())
+    campaign.notes.push_back(fmt::format("{}: not used: {}", path.string(), fmt::join(list.unused, ", ")));
+  return list;
+}
+
+/// Failed runs and free slides of a runs.csv.
+bool is_left_out(const RunList::Line& line, std::vector<std::string>& notes) {
+  const bool failed = line.others.contains("failure"), slide = line.other("kind") == "free_slide";
+  if (failed || slide)
+    notes.push_back(
+        fmt::format("{}: left out: {}", line.place,
+                    failed ? "the run failed" : "a free slide has no alpha and v; give its track"));
+  return failed || slide;
+}
+
+/// Direction and its sd from the displacement, where a run of runs.csv has no alpha; of a part at rest any.
+void complete_alpha(RunList::Line& line) {
+  Json& keys = line.keys;
+  if (keys.contains("alpha_rad") || !keys.contains("v_mm_s")) return;
+  const auto dx = parse_number(line.other("dx")), dy = parse_number(line.other("dy"));
+  const double v = keys["v_mm_s"];
+  if (dx && dy && keys.contains("v_sd_mm_s")) {
+    keys["alpha_rad"] = std::atan2(*dy, *dx);
+    keys["alpha_sd_rad"] = v > 0 ? keys["v_sd_mm_s"].get<double>() / v : 1;
+  } else if (v == 0) {
+    keys["alpha_rad"] = 0;
+  }
+}
+
+/// The lines of all tables.
+std::vector<CampaignRun> lines_of(Campaign& campaign) {
+  std::vector<CampaignRun> runs;
+  for (const fs::path& path : campaign.data.tables) {
+    const std::size_t before = runs.size();
+    for (RunList::Line& line : listed(path, campaign, kOfAlphaV).lines) {
+      if (is_left_out(line, campaign.notes)) continue;
+      complete_alpha(line);
+      runs.push_back(run_of(line, campaign, /*with_sds=*/false));
+    }
+    if (runs.size() == before)
+      throw InvalidInput(fmt::format("{}: has no line of numbers under its header", path.string()));
+  }
+  for (CampaignRun& run : runs) {
+    if (!run.alpha_sd) run.alpha_sd = campaign.data.alpha_sd;
+    if (!run.v_sd) run.v_sd = campaign.data.v_sd;
+  }
+  return runs;
 }
 
 }  // namespace
 
-RunList read_run_list(const fs::path& path, std::string text) {
-  CsvTable table(path, std::move(text), [](const Cells& cells) {
+RunList read_run_list(const fs::path& path, std::string text, const std::vector<std::string>& only) {
+  CsvTable table(path, std::move(text), [&](const Cells& cells) {
     return static_cast<int>(std::ranges::count_if(
-        cells, [](std::string_view cell) { return run_column(heading_of(cell)).key != nullptr; }));
+        cells, [&](std::string_view cell) { return run_column(heading_of(cell), only).key != nullptr; }));
   });
   if (table.header().empty())
     throw InvalidInput(
         fmt::format("{}: no line names its columns: {}; a table of runs has the columns video (or track), "
-                    "phi_deg and dtau_deg",
+                    "phi_deg and dtau_deg, one of alpha and v phi_deg, dtau_deg, alpha_deg and v_mm_s",
                     path.string(), table.holds()));
   RunList list;
-  std::vector<RunColumn> columns;
-  for (std::size_t k = 0; k < table.header().size(); ++k) {
-    columns.push_back(run_column(table.heading(k)));
-    if (columns.back().key == nullptr && !table.header()[k].empty())
+  const std::vector<RunColumn> columns = columns_of(table, only);
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const bool of_alpha = !only.empty() && std::ranges::count(kInsteadOfAlpha, table.heading(k).quantity) > 0;
+    if (columns[k].key == nullptr && !of_alpha && !table.header()[k].empty())
       list.unused.emplace_back(table.header()[k]);
   }
+  if (!only.empty()) require_alpha_and_v(table, columns, list.unused);
   while (table.next()) {
-    Json run = Json::object();
+    RunList::Line line{table.place(), Json::object(), {}, {}};
     for (std::size_t k = 0; k < std::min(table.filled(), columns.size()); ++k) {
       const std::string_view cell = table.cells()[k];
-      if (columns[k].key != nullptr && !CsvTable::is_none(cell))
-        run[columns[k].name] = value_in(table, cell, columns[k]);
+      const RunColumn& column = columns[k];
+      if (CsvTable::is_none(cell)) continue;
+      if (column.key == nullptr) {
+        if (!table.heading(k).sd) line.others[table.heading(k).quantity] = table.with_point(cell);
+        continue;
+      }
+      const Json value = value_in(table, cell, column);
+      if (column.key->kind.is_sd() && value == 0) continue;  // exact
+      line.keys[column.name] = value;
+      if (value.is_number_float())
+        line.digits[column.key->name] =
+            column.to_named * column.factor * last_digit_sd(table.with_point(cell));
     }
-    list.lines.push_back({table.place(), std::move(run)});
+    list.lines.push_back(std::move(line));
   }
   return list;
 }
 
 void add_listed_runs(Campaign& campaign) {
   if (!campaign.data.runs) return;
-  const fs::path& path = *campaign.data.runs;
-  std::string text = read_text(path);
-  campaign.table_inputs.push_back(hashed_input(path, text));
-  const RunList list = read_run_list(path, std::move(text));
-  for (const RunList::Line& line : list.lines) {
-    StrictTable one = StrictTable::of(line.keys, line.place);
-    campaign.runs.push_back(read_run(one, campaign));
-  }
-  if (!list.unused.empty())
-    campaign.notes.push_back(fmt::format("{}: not used: {}", path.string(), fmt::join(list.unused, ", ")));
+  for (const RunList::Line& line : listed(*campaign.data.runs, campaign, {}).lines)
+    campaign.runs.push_back(run_of(line, campaign));
 }
 
 void read_tables(StrictTable& table, DataSection& data, const fs::path& folder) {

@@ -14,18 +14,6 @@ const std::vector<std::string> kStarts = {"rest", "circling", "steady"};
 const std::vector<std::string> kUnits = {"px", "um", "mm", "cm", "m"};
 const std::vector<std::string> kFrames = {"platform", "camera"};
 
-/// track_y, of a section with a TrackReading.
-template <auto reading>
-constexpr auto track_y = Own<decltype(section_of(reading))>{
-    [](StrictTable& table, auto& section, const std::filesystem::path&) {
-      if (const auto y = table.choice("track_y", {"up", "down"}))
-        (section.*reading).y = *y == 0 ? TrackReading::YAxis::up : TrackReading::YAxis::down;
-    },
-    [](const auto& section) -> Json {
-      const TrackReading::YAxis y = (section.*reading).y;
-      return y == TrackReading::YAxis::up ? "up" : y == TrackReading::YAxis::down ? "down" : "by unit";
-    }};
-
 }  // namespace
 
 const Keys<Campaign>& top_keys() {
@@ -41,26 +29,25 @@ const Keys<PlatformSection>& platform_keys() {
   static const Keys<P> keys = {
       {"amplitude_mm", Kind::not_negative, milli<&P::amplitude>, "0.28",
        "A; leave out to measure it from mark or texture. 0: platform at rest"},
-      {"amplitude_mm_sd", Kind::sd_of_fit, milli<&P::amplitude_sd>, "0.001",
+      {"amplitude_mm_sd", Kind::sd, milli<&P::amplitude_sd>, "0.001",
        "its standard deviation; without one that of the last digit, 0.5 % at least"},
       {"amplitude_y_mm", Kind::not_negative, milli<&P::amplitude_y>, "0.28",
        "A_y, where the platform moves on an ellipse"},
-      {"amplitude_y_mm_sd", Kind::sd_of_fit, milli<&P::amplitude_y_sd>, "0.001"},
+      {"amplitude_y_mm_sd", Kind::sd, milli<&P::amplitude_y_sd>, "0.001"},
       {"angular_frequency_rad_s", Kind::above_zero, at<&P::angular_frequency>, "62.8",
        "w; leave out to measure it. Also as frequency_hz, w / 2 pi"},
-      {"angular_frequency_rad_s_sd", Kind::sd_of_fit, at<&P::angular_frequency_sd>, "0.001"},
+      {"angular_frequency_rad_s_sd", Kind::sd, at<&P::angular_frequency_sd>, "0.001"},
       {"phase_shift_rad", Kind::angle, at<&P::phase_shift>, "\"pi/2\"",
        "epsilon: pi/2 turns clockwise, \"-pi/2\" counter-clockwise, as seen with y up; leave out to measure "
        "it"},
-      {"phase_shift_rad_sd", Kind::sd_of_fit, at<&P::phase_shift_sd>, "0.01"},
+      {"phase_shift_rad_sd", Kind::sd, at<&P::phase_shift_sd>, "0.01"},
       {"gravity_m_s2", Kind::above_zero, at<&P::gravity>, "9.81"},
-      {"gravity_m_s2_sd", Kind::sd_of_fit, at<&P::gravity_sd>, "0.001"},
+      {"gravity_m_s2_sd", Kind::sd, at<&P::gravity_sd>, "0.001"},
       {"tilt_x_rad", Kind::angle, at<&P::tilt_x>, "\"0.1deg\"",
        "slope of the platform towards +x (right): gravity pulls with g sin(tilt)"},
-      {"tilt_x_rad_sd", Kind::sd_of_fit, at<&P::tilt_x_sd>, "0.0002",
-       "by the resolution of the spirit level"},
+      {"tilt_x_rad_sd", Kind::sd, at<&P::tilt_x_sd>, "0.0002", "by the resolution of the spirit level"},
       {"tilt_y_rad", Kind::angle, at<&P::tilt_y>, "0.0", "likewise towards +y (up)"},
-      {"tilt_y_rad_sd", Kind::sd_of_fit, at<&P::tilt_y_sd>, "0.0002"},
+      {"tilt_y_rad_sd", Kind::sd, at<&P::tilt_y_sd>, "0.0002"},
   };
   return keys;
 }
@@ -70,21 +57,19 @@ const Keys<PartSection>& part_keys() {
   static const Keys<P> keys = {
       {"name", Kind::text, at<&P::name>, "\"disc\"",
        "where there are several: a [[part]] of its own for each; each gets its own fit"},
-      {"disc_px", Kind::circle, at<&P::disc_px>, "[640, 400, 150]",
+      {"disc_px", Kind::circle, at<&P::target>, "[640, 400, 150]",
        "where it lies at first, unless the run says"},
-      {"template_px", Kind::rectangle, at<&P::template_px>, "[100, 40, 41, 41]", "instead of a disc"},
+      {"template_px", Kind::rectangle, at<&P::target>, "[100, 40, 41, 41]", "instead of a disc"},
       {"diameter_mm", Kind::above_zero, at<&P::diameter_mm>, "6.0",
        "sets the scale, unless mm_per_px or a calibration does"},
       {"diameter_mm_sd", Kind::sd, at<&P::diameter_sd_mm>, "0.005", "by a caliper"},
-      {"diameter_sd_mm", Kind::not_negative, at<&P::diameter_sd_mm>, "0.005",
-       "earlier name of diameter_mm_sd"},
       {"chamfer_mm", Kind::not_negative, at<&P::chamfer_mm>, "0.1",
        "width of its chamfer seen from above, 0 for a sharp edge: without it a diameter gives the scale to 1 "
        "to "
        "2 %"},
       {"height_mm", Kind::above_zero, at<&P::height_mm>, "0.8",
        "with working_distance_mm: the part's top is nearer to the camera than the mark"},
-      {"height_mm_sd", Kind::sd_of_fit, at<&P::height_sd_mm>, "0.01"},
+      {"height_mm_sd", Kind::sd, at<&P::height_sd_mm>, "0.01"},
   };
   return keys;
 }
@@ -96,7 +81,7 @@ const Keys<CameraSection>& camera_keys() {
        "only where the recording does not give it (see `tribotrack probe VIDEO`)"},
       {"frame_rate_reason", Kind::text, at<&C::frame_rate_reason>, "\"the camera's display\"",
        "how you know it, where the file states the rate of playback", "frame_rate_hz"},
-      {"frame_rate_hz_sd", Kind::sd_of_fit, at<&C::frame_rate_sd_hz>, "0.01"},
+      {"frame_rate_hz_sd", Kind::sd, at<&C::frame_rate_sd_hz>, "0.01"},
       {"mm_per_px", Kind::above_zero, at<&C::mm_per_px>, "0.02", "leave out to scale by the part's diameter"},
       {"tag_mm", Kind::above_zero, at<&C::tag_mm>, "8.0",
        "side of the tag's black square, where `marker` is one: sets the scale"},
@@ -106,15 +91,15 @@ const Keys<CameraSection>& camera_keys() {
        "by `tribotrack calibrate`, instead of mm_per_px"},
       {"working_distance_mm", Kind::above_zero, at<&C::working_distance_mm>, "100.0",
        "from lens to platform"},
-      {"working_distance_mm_sd", Kind::sd_of_fit, at<&C::working_distance_sd_mm>, "1.0"},
+      {"working_distance_mm_sd", Kind::sd, at<&C::working_distance_sd_mm>, "1.0"},
       {"row_time_s", Kind::number, at<&C::row_time_s>, "0.00001",
        "rolling shutter: from one row of the picture to the next one below"},
       {"xi_axis_rad", Kind::angle, at<&C::xi_axis_rad>, "0.0",
        "direction, in the picture, of the platform's displacement when the phase sensor fires"},
-      {"xi_axis_rad_sd", Kind::sd_of_fit, at<&C::xi_axis_sd_rad>, "0.01"},
-      {"disc_px", Kind::circle, at<&C::disc_px>, "[640, 400, 150]",
+      {"xi_axis_rad_sd", Kind::sd, at<&C::xi_axis_sd_rad>, "0.01"},
+      {"disc_px", Kind::circle, at<&C::target>, "[640, 400, 150]",
        "x, y, radius in the first frame; leave out to have it found"},
-      {"template_px", Kind::rectangle, at<&C::template_px>, "[100, 40, 41, 41]",
+      {"template_px", Kind::rectangle, at<&C::target>, "[100, 40, 41, 41]",
        "instead of a disc: x, y, width, height of a part of any shape in the first frame; needs mm_per_px"},
       {"marker_px", Kind::circle, at<&C::marker_px>, "[200, 180, 24]",
        "a mark fixed to the platform; leave out where there is none"},
@@ -160,7 +145,7 @@ const Keys<DataSection>& data_keys() {
       {"v_sd_mm_s", Kind::above_zero, milli<&D::v_sd>, "0.1", "likewise", "table"},
       {"track_unit", Kind::one_of(kUnits), at<&D::tracks, &TrackReading::unit>, "\"mm\"",
        "of tracks whose columns name none: px (with mm_per_px), um, mm, cm, m"},
-      {"track_y", Kind::one_of({"up", "down"}), track_y<&D::tracks>, "\"up\"",
+      {"track_y", Kind::one_of({"up", "down"}), at<&D::tracks, &TrackReading::y>, "\"up\"",
        "where y of tracks points, if not down in pixels and up in lengths"},
       {"track_frame", Kind::one_of(kFrames), at<&D::tracks, &TrackReading::frame>, "\"platform\"",
        "of tracks: \"platform\": its motion is taken out of them already; else by track_mark, or \"camera\""},
@@ -185,7 +170,7 @@ const Keys<FitSection>& fit_keys() {
        "what is known without an error although it has no sd (frequency_hz, tilt_x_rad, start_phase_rad, "
        "friction_law, ...); "
        "true: everything, also what is not given"},
-      {"hold_out", Kind::texts, Own<F>{read_hold_out, written_hold_out}, "[\"run name\"]",
+      {"hold_out", Kind::texts, at<&F::hold_out>, "[\"run name\"]",
        "driven runs that are not fitted, but predicted by the fit"},
       {"start", Kind::one_of(kStarts), at<&F::start>, "\"rest\"",
        "how runs start at their first analysed frame: rest, circling or steady"},
@@ -205,7 +190,7 @@ const Keys<CampaignRun>& run_keys() {
        "ours"},
       {"track_unit", Kind::one_of(kUnits), at<&R::reading, &TrackReading::unit>, "\"mm\"",
        "where it differs from [data]", "track"},
-      {"track_y", Kind::one_of({"up", "down"}), track_y<&R::reading>, "\"up\"",
+      {"track_y", Kind::one_of({"up", "down"}), at<&R::reading, &TrackReading::y>, "\"up\"",
        "where it differs from [data]", "track"},
       {"track_frame", Kind::one_of(kFrames), at<&R::reading, &TrackReading::frame>, "\"platform\"",
        "where it differs from [data]", "track"},
@@ -241,9 +226,8 @@ const Keys<CampaignRun>& run_keys() {
       {"start_phase_rad_sd", Kind::sd, at<&R::start_phase_sd>, "0.01"},
       {"mm_per_px", Kind::above_zero, at<&R::mm_per_px>, "0.02", "where it differs from [camera]"},
       {"mm_per_px_sd", Kind::sd, at<&R::mm_per_px_sd>, "0.00002"},
-      {"disc_px", Kind::circle, at<&R::disc_px>, "[640, 400, 150]", "where it differs from [camera]"},
-      {"template_px", Kind::rectangle, at<&R::template_px>, "[100, 40, 41, 41]",
-       "where it differs from [camera]"},
+      {"disc_px", Kind::circle, at<&R::target>, "[640, 400, 150]", "where it differs from [camera]"},
+      {"template_px", Kind::rectangle, at<&R::target>, "[100, 40, 41, 41]", "where it differs from [camera]"},
       {"part", Kind::text, at<&R::part>, "\"disc\"", "which of several [[part]] this run shows"},
       {"parts", Kind::place_by_name, Own<R>{read_parts}, "{ disc = [640, 400, 150] }",
        "several in one recording: where each lies at first, [x, y, radius] or [x, y, width, height]"},

@@ -66,9 +66,9 @@ void check_track(const StrictTable& table, const CampaignRun& run) {
 }
 
 /// A run has one source of its motion, and all that the fit needs to know of it.
-void check_source(const StrictTable& table, const CampaignRun& run) {
+void check_source(const StrictTable& table, const CampaignRun& run, bool with_sds) {
   const bool any_summary = run.alpha || run.alpha_sd || run.v || run.v_sd;
-  const bool whole_summary = run.alpha && run.alpha_sd && run.v && run.v_sd;
+  const bool whole_summary = run.alpha && run.v && (!with_sds || (run.alpha_sd && run.v_sd));
   if (run.has_track() && any_summary)
     throw InvalidInput(fmt::format(
         "{}: a run has either a video (or track) or alpha_rad, v_mm_s measured elsewhere, not both",
@@ -140,7 +140,7 @@ void read_parts(StrictTable& table, CampaignRun& run, const fs::path&) {
   places->finish();
 }
 
-CampaignRun read_run(StrictTable& table, const Campaign& campaign) {
+CampaignRun read_run(StrictTable& table, const Campaign& campaign, bool with_sds) {
   CampaignRun run;
   run.place = table.place();
   run.reading = campaign.data.tracks;
@@ -156,14 +156,15 @@ CampaignRun read_run(StrictTable& table, const Campaign& campaign) {
   check_places(table, run);
   table.finish();
   complete_reading(campaign.camera, run);
-  check_source(table, run);
+  check_source(table, run, with_sds);
   return run;
 }
 
 void require_scale(const Campaign& campaign, const CampaignRun& run) {
   const bool scale_given =
       run.mm_per_px || campaign.camera.mm_per_px || campaign.camera.calibration || campaign.camera.tag_mm;
-  if (run.video && !scale_given && (run.template_px || (campaign.camera.template_px && !run.disc_px)))
+  const vision::Target& target = is_given(run.target) ? run.target : campaign.camera.target;
+  if (run.video && !scale_given && target.kind == vision::Target::Kind::rectangle)
     throw InvalidInput(fmt::format(
         "{}: a part that is followed by template_px has no diameter to scale by: give `mm_per_px` or "
         "`calibration` in [camera]",
@@ -292,14 +293,6 @@ Json written_parameters(const FitSection& fit) {
   Json names = Json::array();
   for (const FitParameter parameter : fit.parameters) names.push_back(fit::to_string(parameter));
   return names;
-}
-
-void read_hold_out(StrictTable& table, FitSection& fit, const fs::path&) {
-  if (auto names = table.texts("hold_out")) fit.hold_out = std::move(*names);
-}
-
-Json written_hold_out(const FitSection& fit) {
-  return fit.hold_out;
 }
 
 bool Exact::holds(std::string_view key) const {

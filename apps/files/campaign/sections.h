@@ -17,16 +17,15 @@ ScopeSection read_scope(StrictTable& table);
 inline constexpr const char* kGuessHint =
     "is a word, how the runs start; first guesses of parameters stand in the table [fit.guess]";
 
-/// `campaign` holds what stands above the runs. Throws InvalidInput naming the place.
-CampaignRun read_run(StrictTable& table, const Campaign& campaign);
+/// `campaign` holds what stands above the runs. Without `with_sds` alpha and v may stand without theirs.
+/// Throws InvalidInput naming the place.
+CampaignRun read_run(StrictTable& table, const Campaign& campaign, bool with_sds = true);
 
 // Keys of [fit] and [[run]] with values of their own kind.
 void read_parameters(StrictTable& table, FitSection& fit, const std::filesystem::path& folder);
 Json written_parameters(const FitSection& fit);
 void read_exact(StrictTable& table, FitSection& fit, const std::filesystem::path& folder);
 Json written_exact(const FitSection& fit);
-void read_hold_out(StrictTable& table, FitSection& fit, const std::filesystem::path& folder);
-Json written_hold_out(const FitSection& fit);
 void read_frames(StrictTable& table, CampaignRun& run, const std::filesystem::path& folder);
 Json written_frames(const CampaignRun& run);
 /// A trace, or two of an oscilloscope that writes a file for each channel.

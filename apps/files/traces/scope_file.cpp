@@ -23,7 +23,7 @@ const char* const kScopeLayouts =
 namespace {
 
 struct ScopeHeader {
-  std::string layout;
+  std::string layout = "time and channels";
   std::vector<std::string> names;         ///< "CH1", ...
   std::vector<std::size_t> columns;       ///< of the channels
   std::vector<double> volt;               ///< V to one of each channel's unit
@@ -157,7 +157,6 @@ class HeaderReader {
     for (std::size_t k = 0; k < names.size() && !header_.time; ++k)
       if (means_time(table_.heading(k), k)) header_.time = k;
     header_.second = unit_in(table_.heading(*header_.time), Dimension::time).value_or(1);
-    name_layout();
     for (std::size_t k = 0; k < names.size(); ++k)
       if (k != header_.time) add_channel(k);
     // Siglent names its channels `Volt` or `Value`, and says above which they are.
@@ -181,30 +180,10 @@ class HeaderReader {
 
   void look_at_settings(const Cells& cells) {
     const std::string key = lower(cells.front());
-    if (key == "model") header_.layout = "Tektronix";
-    if ((key == "record length" || key == "source") && header_.layout.empty()) header_.layout = "Siglent";
     if (key == "source") sources_.assign(cells.begin() + 1, cells.end());
     if (key == "vertical units") units_.assign(cells.begin() + 1, cells.end());
     if (key == "sample interval" && cells.size() > 1)  // or "Analog:5.0E-05"
       header_.interval = table_.number_in(cells[1].substr(cells[1].find(':') + 1));
-  }
-
-  void name_layout() {
-    if (!header_.layout.empty()) return;
-    const Cells& cells = table_.header();
-    const bool pico = std::ranges::any_of(cells, [](std::string_view cell) {
-      const std::string name = lower(cell);
-      return name.starts_with("channel ") || name.starts_with("kanal ");
-    });
-    const bool by_x =
-        std::ranges::any_of(cells, [](std::string_view cell) { return cell.starts_with("X(CH"); });
-    const std::string key = lower(cells.front());
-    header_.layout = table_.is_remarked("Digilent") ? "Digilent"
-                     : key == "x-axis"              ? "Keysight"
-                     : pico                         ? "PicoScope"
-                     : by_x                         ? "Rigol DS1102E"
-                     : key == "time(s)"             ? "Rigol MSO5000"
-                                                    : "Time, channels";
   }
 
   CsvTable& table_;

@@ -14,7 +14,7 @@ namespace tribotrack::apps {
 /// so they give the two numbers and nothing else.
 struct ScopeFile {
   Input input;
-  std::string layout;  ///< "Rigol DS1000Z", "Keysight", ..., "Time, channels"
+  std::string layout;  ///< "time and channels", or without such columns "Rigol DS1000Z", ...
   double start_s = 0, increment_s = 0;
   std::vector<std::string> names;             ///< "CH1", ...
   std::vector<std::vector<double>> channels;  ///< V

@@ -37,38 +37,31 @@ std::string text_of_track(const fs::path& path) {
   return read_text(path);
 }
 
-Track track_of(const ForeignTrack& track, const fs::path& path) {
-  return with_rows(track_described_by(track.meta.json(), path), track.rows, path);
-}
-
 }  // namespace
 
 Track read_any_track(const fs::path& path, const TrackReading& reading) {
   std::string text = text_of_track(path);
   if (is_ours(path, text)) return read_track_file(path);
   const ForeignTrack foreign = read_foreign_track(path, std::move(text), reading);
-  Track track = track_of(foreign, path);
+  Track track = with_rows(track_described_by(foreign.meta.json(), path), foreign.rows, path);
   track.inputs = foreign.meta.inputs;
   return track;
 }
 
 Track import_track(const fs::path& path, const TrackReading& reading, const fs::path& csv) {
   std::string text = text_of_track(path);
-  if (is_ours(path, text)) {
-    Track track = read_track_file(path);  // first: what cannot be read is not copied
-    write_file(csv, text);
-    if (fs::exists(meta_of(path)))
-      write_file(meta_of(csv), read_text(meta_of(path)));
-    else
-      fs::remove(meta_of(csv));
-    track.inputs = {hashed_input(csv, text)};
-    return track;
+  if (!is_ours(path, text)) {
+    const ForeignTrack foreign = read_foreign_track(path, std::move(text), reading);
+    write_result(csv, track_csv(foreign.rows), foreign.meta);
+    return read_track_file(csv);
   }
-  const ForeignTrack foreign = read_foreign_track(path, std::move(text), reading);
-  const std::string table = track_csv(foreign.rows);
-  write_result(csv, table, foreign.meta);
-  Track track = track_of(foreign, path);
-  track.inputs = {hashed_input(csv, table)};
+  Track track = read_track_file(path);  // first: what cannot be read is not copied
+  write_file(csv, text);
+  if (fs::exists(meta_of(path)))
+    write_file(meta_of(csv), read_text(meta_of(path)));
+  else
+    fs::remove(meta_of(csv));
+  track.inputs = {hashed_input(csv, text)};
   return track;
 }
 
@@ -206,7 +199,7 @@ bool take_dice(const Cells& cells, TrackColumns& columns) {
   subset.x_sd = subset.y_sd = static_cast<std::size_t>(sigma - cells.begin());
   columns.points = {subset};
   columns.layout = "DICe";
-  columns.y = TrackReading::YAxis::down;
+  columns.y = "down";
   columns.no_sd_is_lost = true;
   return true;
 }
@@ -273,17 +266,17 @@ TrackColumns read_track_columns(const CsvTable& table) {
     columns.layout = "DLTdv";
   } else if (image_j || (columns.particle && columns.frame)) {
     columns.layout = image_j ? "ImageJ" : columns.time ? "TrackMate" : "trackpy";
-    columns.y = TrackReading::YAxis::down;
+    columns.y = "down";
     columns.usual_unit = "px";
   } else if (columns.time && (milliseconds || table.is_remarked("Kinovea"))) {
     columns.layout = "Kinovea";
-    columns.y = TrackReading::YAxis::up;
+    columns.y = "up";
     // Its text export: a trajectory after the other, each under its name, times in ms or as h:mm:ss:cc.
     columns.by_section = !milliseconds;
     if (columns.by_section) columns.second = 1e-3;
   } else if (columns.time && named_above) {
     columns.layout = "Tracker";
-    columns.y = TrackReading::YAxis::up;
+    columns.y = "up";
   } else {
     columns.layout = "t, x, y";
   }

@@ -37,10 +37,10 @@ struct TrackColumns {
   std::optional<std::size_t> frame, time, particle;
   double second = 1;  ///< of the time column
   std::vector<PointColumns> points;
-  std::string usual_unit;                ///< of a layout whose columns never say; empty: none is usual
-  std::optional<TrackReading::YAxis> y;  ///< where the layout tells
-  bool no_sd_is_lost = false;            ///< a frame whose sd is not above 0 was not measured
-  bool by_section = false;               ///< rows of several points follow each other, each under its comment
+  std::string usual_unit;      ///< of a layout whose columns never say; empty: none is usual
+  std::string y;               ///< where the layout tells, as TrackReading
+  bool no_sd_is_lost = false;  ///< a frame whose sd is not above 0 was not measured
+  bool by_section = false;     ///< rows of several points follow each other, each under its comment
 };
 
 /// What the program knows to read, for messages.

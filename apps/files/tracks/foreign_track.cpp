@@ -156,15 +156,13 @@ Scale scale_of(const CsvTable& table, const TrackColumns& columns, const TrackRe
 
 bool y_points_up(const CsvTable& table, const TrackColumns& columns, const Scale& scale,
                  const TrackReading& reading) {
-  using Y = TrackReading::YAxis;
-  if (reading.y != Y::by_unit) return reading.y == Y::up;
+  if (!reading.y.empty()) return reading.y == "up";
   if (columns.layout == "DLTdv")
     table.fail(
         "is a table of DLTdv, whose y points up until version 5 and in Argus, down from version 8 on: say "
         "which, "
         "track_y = \"up\" or \"down\" in the run or in [data] (--track-y)");
-  if (columns.y) return *columns.y == Y::up;
-  return !scale.pixels;
+  return columns.y.empty() ? !scale.pixels : columns.y == "up";
 }
 
 /// sds of x and y of every sample, in its unit, and whether they were estimated.

@@ -23,7 +23,6 @@ const TribotrackFigures = (function () {
   }
 
   function mark_of(trace) {
-    if (trace.type === "bar") return "bars";
     if (trace.fill) return "band";
     return { lines: "line", markers: "points", text: "text" }[trace.mode];
   }

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tribotrack import _core
+from tribotrack import _calling, _core
 from tribotrack._core import __version__
 from tribotrack._errors import AmbiguousPartError, InputError, MissingFileError, QualityWarning
 from tribotrack._results import Fit, Measurement, Simulation, Sweep, Track, wrapped
@@ -105,7 +105,7 @@ def simulate(
         InputError: a value out of its range; MissingFileError: no such scenario.
     """
     values = {name: value for name, value in locals().items() if name != "scenario"}
-    return Simulation(_core.simulate(scenario, values))
+    return Simulation(_calling.call(_core.simulate, scenario, values))
 
 
 def sweep(
@@ -132,8 +132,11 @@ def sweep(
         grid's shape; NaN where there is none.
     """
     if over is not None:
-        over = {name: _listed(values) for name, values in over.items()}
-    return Sweep(_core.sweep(scenario, over, {**conditions, "start": start}, threads, progress))
+        if not isinstance(over, dict):
+            raise InputError("over must be a dict of one or two names with their values")
+        over = {name: values if hasattr(values, "tolist") else list(values) for name, values in over.items()}
+    options = {**conditions, "start": start, "over": over, "threads": threads}
+    return Sweep(_calling.call(_core.sweep, scenario, options, progress))
 
 
 def track(
@@ -198,7 +201,9 @@ def track(
         QualityWarning: the part was lost too often, or is no moving part.
     """
     options = {name: value for name, value in locals().items() if name not in ("source", "progress")}
-    return Track(_core.track(source, options, progress))
+    if _calling.is_path(source):
+        return Track(_calling.call(_core.track, source, options, progress, None))
+    return Track(_calling.call(_core.track, None, options, progress, source))
 
 
 def measure(
@@ -233,7 +238,12 @@ def measure(
         under the same name and _sd.
     """
     options = {name: value for name, value in locals().items() if name != "track"}
-    return Measurement(wrapped(_core.measure(track, options)))
+    if _calling.is_path(track):
+        return Measurement(wrapped(_calling.call(_core.measure, track, options)))
+    if not hasattr(track, "keys"):
+        raise InputError(f"the track must be a path or a dict of columns, not {type(track).__name__}")
+    options.update(csv=_calling.csv_of(track), meta=track["meta"] if "meta" in track else None)
+    return Measurement(wrapped(_calling.call(_core.measure, None, options)))
 
 
 def fit(
@@ -259,7 +269,7 @@ def fit(
         part: which of the campaign's several [[part]].
         tracks: folder with the runs' tracks, NAME.csv; without it videos are tracked now.
         allow_missing: go on where up to so many runs are not usable.
-        loss: "squares", "huber" or "cauchy". bootstrap: refits to simulated data, seed: of their noise.
+        loss: "squares" or "huber". bootstrap: refits to simulated data, seed: of their noise.
         compare_models: compare tilt and other laws of friction in any case.
         threads: at work; all where not given. progress: called as progress(stage, done, total).
         conditions: of a table: amplitude_mm, amplitude_y_mm, angular_frequency_rad_s, phase_shift_rad, gravity_m_s2,
@@ -290,12 +300,11 @@ def fit(
     }
     if _tables.is_table(campaign):
         with _tables.campaign_of(campaign, conditions) as table:
-            return Fit(wrapped(_core.fit(table, options, progress)))
+            return Fit(wrapped(_calling.call(_core.fit, None, {**options, "campaign": table}, progress)))
     if conditions:
         raise InputError(f"{', '.join(conditions)}: conditions stand in the campaign, beside a table only")
-    return Fit(wrapped(_core.fit(campaign, options, progress)))
-
-
-def _listed(values: Any) -> Any:
-    """A list of an array of any shape but (), for which a message follows."""
-    return values.tolist() if hasattr(values, "tolist") else values
+    if _calling.is_path(campaign):
+        return Fit(wrapped(_calling.call(_core.fit, campaign, options, progress)))
+    if not isinstance(campaign, dict):
+        raise InputError(f"the campaign must be a path, a dict or a table, not {type(campaign).__name__}")
+    return Fit(wrapped(_calling.call(_core.fit, None, {**options, "campaign": campaign}, progress)))

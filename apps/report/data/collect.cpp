@@ -4,12 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <fstream>
-#include <functional>
 #include <iterator>
+#include <set>
 
 #include "apps/campaign/compared_runs.h"
 #include "apps/program/errors.h"
@@ -37,15 +36,6 @@ double number_at(const JsonPlace& place, const std::string& key) {
   return place.number(key, no_value);
 }
 
-std::string file_name(const std::string& path) {
-  return fs::path(path).filename().string();
-}
-
-ReportSource source_of(const Input& input) {
-  return {file_name(input.path.string()),
-          "xxh3-128:" + input.xxh3_128 + (input.hashed.empty() ? "" : ", " + input.hashed)};
-}
-
 // From the meta file.
 
 /// A campaign by its file's name, or by its folder's where the file is just called campaign.toml.
@@ -66,7 +56,7 @@ std::string part_text(const JsonPlace& configuration) {
 }
 
 bool is_sd(const std::string& name) {
-  return name.ends_with("_sd") || name == "diameter_sd_mm";
+  return name.ends_with("_sd");
 }
 
 /// What is neither fitted nor pooled stands beside the pooled conditions as it was given.
@@ -84,7 +74,7 @@ void add_given(const JsonPlace& configuration, ReportData& data) {
     if (const auto found = configuration.find(section))
       for (const auto& [name, value] : found->object().value.items()) {
         if (!value.is_number() || fitted(name) || is_sd(name)) continue;
-        const double sd = number_at(*found, name == "diameter_mm" ? "diameter_sd_mm" : name + "_sd");
+        const double sd = number_at(*found, name + "_sd");
         add(name, value.get<double>(),
             sd > 0 ? fmt::format("campaign, sd {:.3g}", sd) : "campaign, no sd given");
       }
@@ -103,8 +93,7 @@ void read_meta(const Json& meta, const fs::path& file, ReportData& data) {
   data.part = part_text(configuration);
   const JsonPlace inputs = place.at("inputs").list();
   for (const JsonPlace& input : inputs.items())
-    data.inputs.push_back(
-        source_of({input.at("path").text(), input.at("xxh3_128").text(), input.text("hashed")}));
+    data.inputs.push_back({input.at("path").text(), input.at("xxh3_128").text(), input.text("hashed")});
   if (!data.inputs.empty()) data.title = title_of(inputs.at(std::size_t{0}).at("path").text());
   if (const std::string title = configuration.text("title"); !title.empty()) data.title = title;
   data.configuration = configuration.value.dump(2, ' ', false, Json::error_handler_t::replace);
@@ -129,11 +118,8 @@ void read_fit(const Json& json, ReportData& data) {
                                .used = number_at(row, "used"),
                                .used_sd = number_at(row, "used_sd"),
                                .from = row.text("from")});
-}
-
-/// Its runs, each with its part of the fit.
-void read_runs(const Json& json, ReportData& data) {
-  const JsonPlace list = JsonPlace{json, ""}.at("runs").list();
+  // Its runs, each with its part of the fit.
+  const JsonPlace list = place.at("runs").list();
   if (list.value.empty()) list.refuse("a list with the campaign's runs");
   auto fitted = data.fit.runs.begin();
   for (const JsonPlace& entry : list.items()) {
@@ -163,35 +149,11 @@ double median_of_finite(std::vector<double> values) {
   return *middle;
 }
 
-/// "2021-03-04", or the first and the last day.
-void add_day(const std::string& time, ReportData& data) {
-  constexpr std::size_t kDay = 10;  // "2021-03-04"
-  if (time.size() < kDay) return;
-  const std::string day = time.substr(0, kDay), to = " to ";
-  const auto at = data.filmed.find(to);
-  std::string first = data.filmed.substr(0, kDay),
-              last = at == std::string::npos ? first : data.filmed.substr(at + to.size());
-  if (data.filmed.empty()) first = last = day;
-  first = std::min(first, day);
-  last = std::max(last, day);
-  data.filmed = first == last ? first : first + to + last;
-}
-
 /// What the page would show and is not there, by its name in the folder.
 void note_missing(const RunFolder& folder, const std::string& run, const fs::path& file,
                   const std::string& consequence, ReportData& data) {
   data.missing.push_back(
       fmt::format("run {}: {} {}", run, file.lexically_relative(folder.root).string(), consequence));
-}
-
-/// PNG or JPEG, as `run` writes them.
-bool is_picture(const std::vector<unsigned char>& bytes) {
-  constexpr std::array<unsigned char, 4> kPng = {0x89, 'P', 'N', 'G'};
-  constexpr std::array<unsigned char, 2> kJpeg = {0xff, 0xd8};
-  const auto begins_with = [&](const auto& signature) {
-    return bytes.size() > signature.size() && std::equal(signature.begin(), signature.end(), bytes.begin());
-  };
-  return begins_with(kPng) || begins_with(kJpeg);
 }
 
 /// The object of measurements/NAME.json.
@@ -225,94 +187,42 @@ void add_track(const RunFolder& folder, ReportRun& run, ReportData& data) {
   run.notes.insert(run.notes.end(), track.warnings.begin(), track.warnings.end());
   if (std::ifstream picture(folder.first_frame(run.name), std::ios::binary); picture)
     run.first_frame.assign(std::istreambuf_iterator<char>(picture), {});
-  if (!run.first_frame.empty() && !is_picture(run.first_frame)) {
-    run.first_frame.clear();
-    note_missing(folder, run.name, folder.first_frame(run.name), "is no picture: it is not shown", data);
-  }
   if (!run.free_slide) add_drawings(run);
-  add_day(track.recorded_at, data);
-  for (const Input& input : track.recorded_in) data.inputs.push_back(source_of(input));
+  data.inputs.insert(data.inputs.end(), track.recorded_in.begin(), track.recorded_in.end());
 }
 
-/// A run's track, and the object of its measurement.
-struct Seen {
-  std::optional<Track> track;
+/// What `run` left of its recording; notes what is missing.
+void read_recording(const RunFolder& folder, ReportRun& run, ReportData& data) {
+  const fs::path csv = folder.track(run.name), file = folder.measurement(run.name);
   Json measurement = Json::object();
-};
+  if (fs::exists(file))
+    measurement = read_json(file);
+  else if (!run.free_slide)
+    note_missing(folder, run.name, file, "is missing: what was measured in it is not shown", data);
+  reading(file, [&] { add_measurement({measurement, ""}, run); });
+  if (!fs::exists(csv))
+    return note_missing(folder, run.name, csv, "is missing: its path and platform are not shown", data);
+  run.track = read_track_file(csv);
+  reading(file, [&] {
+    const JsonPlace m{measurement, ""};
+    const double used = number_at(m, "mm_per_px");
+    if (run.track.mm_per_px && std::isfinite(used) && used != *run.track.mm_per_px)
+      rescale(run.track, {used, number_at(m, "mm_per_px_sd"), ""});
+  });
+  add_track(folder, run, data);
+}
 
-/// Of a run with a track; notes what is missing.
-using Look = std::function<Seen(const ReportRun& run, ReportData& data)>;
-
-void add_run(const JsonPlace& configuration, const RunFolder& folder, const Look& look, ReportRun& run,
-             ReportData& data) {
+void add_run(const JsonPlace& configuration, const RunFolder& folder, ReportRun& run, ReportData& data) {
   run.video = configuration.text("video");
   if (run.video.empty()) run.video = configuration.text("track");
   if (!run.failure.empty()) return;
   if (const std::vector<std::string> lines = configuration.texts("pooled_from"); !lines.empty())
     run.notes.push_back(fmt::format("mean of {} measurements: {}", lines.size(), fmt::join(lines, ", ")));
-  if (run.video.empty()) {
-    run.measured["alpha_rad"] = {number_at(configuration, "alpha_rad"),
-                                 number_at(configuration, "alpha_sd_rad")};
-    run.measured["v_mm_s"] = {number_at(configuration, "v_mm_s"), number_at(configuration, "v_sd_mm_s")};
-    run.cycles = configuration.integer("cycles", 0);
-    return;
-  }
-  Seen seen = look(run, data);
-  reading(folder.measurement(run.name), [&] { add_measurement({seen.measurement, ""}, run); });
-  if (!seen.track) return;
-  run.track = std::move(*seen.track);
-  add_track(folder, run, data);
-}
-
-ReportData collect(const Json& fit, const Json& meta, const RunFolder& folder, const Look& look,
-                   long most_steps) {
-  const fs::path meta_file = folder.fit().string() + ".meta.json";
-  ReportData data;
-  reading(folder.fit(), [&] { read_fit(fit, data); });
-  add_provenance(meta, meta_file, data);
-  reading(folder.fit(), [&] { read_runs(fit, data); });
-  for (std::size_t k = 0; k < data.runs.size(); ++k) {
-    ReportRun& run = data.runs[k];
-    reading(meta_file, [&] {
-      add_run(JsonPlace{meta, ""}.at("configuration").at("runs").at(k), folder, look, run, data);
-    });
-    if (!run.fitted.name.empty() && !add_model_path(run)) note_no_model_path(run, data);
-  }
-  add_curves(data, most_steps);
-  data.warnings.insert(data.warnings.end(), data.missing.begin(), data.missing.end());
-  data.warnings = pooled_by_cause(data.warnings, data.runs);
-  return data;
-}
-
-/// From the folder.
-Seen read_recording(const RunFolder& folder, const ReportRun& run, ReportData& data) {
-  const fs::path csv = folder.track(run.name), measurement = folder.measurement(run.name);
-  Seen seen;
-  if (fs::exists(measurement))
-    seen.measurement = read_json(measurement);
-  else if (!run.free_slide)
-    note_missing(folder, run.name, measurement, "is missing: what was measured in it is not shown", data);
-  if (!fs::exists(csv)) {
-    note_missing(folder, run.name, csv, "is missing: its path and platform are not shown", data);
-    return seen;
-  }
-  seen.track = read_track_file(csv);
-  const auto [used, used_sd] = reading(measurement, [&] {
-    const JsonPlace m{seen.measurement, ""};
-    return std::pair(number_at(m, "mm_per_px"), number_at(m, "mm_per_px_sd"));
-  });
-  if (seen.track->mm_per_px && std::isfinite(used) && used != *seen.track->mm_per_px)
-    rescale(*seen.track, {used, used_sd, ""});
-  return seen;
-}
-
-[[noreturn]] void refuse_file(const fs::path& file) {
-  if (file.filename() == "fit.json")
-    throw InvalidInput(fmt::format(
-        "{}: is not a folder; name the folder that `run` filled: `tribotrack report {} -o r.html`",
-        file.string(), file.has_parent_path() ? file.parent_path().string() : "."));
-  throw InvalidInput(fmt::format(
-      "{}: is not a folder; name one that `tribotrack run CAMPAIGN.toml -o DIR` filled", file.string()));
+  if (!run.video.empty()) return read_recording(folder, run, data);
+  run.measured["alpha_rad"] = {number_at(configuration, "alpha_rad"),
+                               number_at(configuration, "alpha_sd_rad")};
+  run.measured["v_mm_s"] = {number_at(configuration, "v_mm_s"), number_at(configuration, "v_sd_mm_s")};
+  run.cycles = configuration.integer("cycles", 0);
 }
 
 }  // namespace
@@ -359,23 +269,11 @@ std::vector<std::string> pooled_by_cause(const std::vector<std::string>& sentenc
   return lines;
 }
 
-void add_provenance(const Json& meta, const fs::path& file, ReportData& data) {
-  reading(file, [&] { read_meta(meta, file, data); });
-}
-
-ReportData collect(const ReportInput& input) {
-  const Look look = [&](const ReportRun& shown, ReportData&) {
-    Seen seen;
-    const auto run = std::ranges::find(input.runs, shown.name, [](const Run& r) { return r.given.name; });
-    seen.track = run->track;
-    if (run->measurement && run->track) seen.measurement = measurement_json(*run->measurement, *run->track);
-    return seen;
-  };
-  return collect(input.fit, input.meta, input.folder, look, kMostCurveSteps);
-}
-
 ReportData collect(const RunFolder& folder, long most_steps) {
-  if (fs::exists(folder.root) && !fs::is_directory(folder.root)) refuse_file(folder.root);
+  if (fs::exists(folder.root) && !fs::is_directory(folder.root))
+    throw InvalidInput(
+        fmt::format("{}: is not a folder; name the one that `tribotrack run CAMPAIGN.toml -o DIR` filled",
+                    folder.root.string()));
   if (!fs::exists(folder.fit()))
     throw InvalidInput(
         fmt::format("{}: holds no fit.json; make one with `tribotrack run CAMPAIGN.toml -o {}`",
@@ -386,8 +284,27 @@ ReportData collect(const RunFolder& folder, long most_steps) {
         fmt::format("{}: is missing, and with it the campaign's configuration; run it again: `tribotrack run "
                     "CAMPAIGN.toml -o {}`",
                     meta_file.string(), folder.root.string()));
-  const Look look = [&](const ReportRun& run, ReportData& data) { return read_recording(folder, run, data); };
-  return collect(read_json(folder.fit()), read_json(meta_file), folder, look, most_steps);
+  const Json meta = read_json(meta_file);
+  ReportData data;
+  reading(folder.fit(), [&] { read_fit(read_json(folder.fit()), data); });
+  reading(meta_file, [&] { read_meta(meta, meta_file, data); });
+  for (std::size_t k = 0; k < data.runs.size(); ++k) {
+    ReportRun& run = data.runs[k];
+    reading(meta_file, [&] {
+      add_run(JsonPlace{meta, ""}.at("configuration").at("runs").at(k), folder, run, data);
+    });
+    if (!run.fitted.name.empty() && !add_model_path(run))
+      data.warnings.push_back(fmt::format(
+          "run {}: the model's path is left out: the motion takes too many steps to follow", run.name));
+  }
+  std::set<std::string> days;
+  for (const ReportRun& run : data.runs)
+    if (run.track.recorded_at.size() >= 10) days.insert(run.track.recorded_at.substr(0, 10));  // "2021-03-04"
+  if (!days.empty()) data.filmed = *days.begin() + (days.size() > 1 ? " to " + *days.rbegin() : "");
+  add_curves(data, most_steps);
+  data.warnings.insert(data.warnings.end(), data.missing.begin(), data.missing.end());
+  data.warnings = pooled_by_cause(data.warnings, data.runs);
+  return data;
 }
 
 }  // namespace tribotrack::apps

@@ -47,11 +47,11 @@ std::optional<fit::Displacement> followed(const model::Scenario& scenario,
 }
 
 /// The scenario of a group's first run with one angle varied; how many points took more than `most_steps`.
-std::size_t evaluate(model::Scenario scenario, bool over_phi,
-                     const std::optional<fit::FittedParameters>& known, long most_steps, ReportGroup& group) {
+std::size_t evaluate(model::Scenario scenario, Over over, const std::optional<fit::FittedParameters>& known,
+                     long most_steps, ReportGroup& group) {
   std::size_t left_out = 0;
   for (const double x : group.curve_x_rad) {
-    (over_phi ? scenario.friction.phase : scenario.friction.pulse_width) = x;
+    (over == Over::phi ? scenario.friction.phase : scenario.friction.pulse_width) = x;
     const std::optional<fit::Displacement> moved = followed(scenario, known, most_steps);
     left_out += !moved;
     const bool has_alpha = moved && moved->alpha;
@@ -63,120 +63,75 @@ std::size_t evaluate(model::Scenario scenario, bool over_phi,
   return left_out;
 }
 
-}  // namespace
-
-void add_curves(ReportData& data, long most_steps) {
-  const std::optional<fit::FittedParameters> known = known_parameters(data.fit);
-  data.over_phi = group_over_phi(data.runs);
-  data.over_dtau = group_over_dtau(data.runs);
-  const int points = data.over_phi.size() > kFewGroups || data.over_dtau.size() > kFewGroups ? 91 : 241;
-  const auto all_points = static_cast<long>(data.over_phi.size() + data.over_dtau.size()) * points;
-  const long share = most_steps / std::max(1L, all_points);
-  std::size_t left_out = 0;
-  for (ReportGroup& group : data.over_phi) {
-    group.curve_x_rad = curve_phis(group, data.runs, points);
-    left_out += evaluate(data.runs[group.runs.front()].fitted.fitted, true, known, share, group);
-  }
-  for (ReportGroup& group : data.over_dtau) {
-    group.curve_x_rad = curve_dtaus(group, data.runs, points);
-    left_out += evaluate(data.runs[group.runs.front()].fitted.fitted, false, known, share, group);
-  }
-  if (left_out > 0)
-    data.warnings.push_back(fmt::format(
-        "the model's curves lack {} of {} points, where the motion takes more than {} steps to follow",
-        left_out, all_points, share));
-}
-
-namespace {
-
 constexpr double full_turn = 2 * std::numbers::pi;
-
-/// Values of the varied and of the shared angle, one per run.
-struct Angles {
-  std::vector<double> varied;
-  std::vector<double> shared;
-};
+constexpr double kSameAngle = 0.02;  // rad: measured angles scatter
 
 bool belongs_in_a_figure(const ReportRun& run) {
   return run.failure.empty() && !run.free_slide && std::isfinite(run.phi_rad) &&
          std::isfinite(run.dtau_rad) && std::isfinite(run.value("v_mm_s").value);
 }
 
-std::vector<double> phis(const std::vector<ReportRun>& runs, double tolerance) {
-  std::vector<double> values;
-  for (const ReportRun& run : runs) values.push_back(phi_in_one_turn(run.phi_rad, tolerance));
-  return values;
+}  // namespace
+
+void add_curves(ReportData& data, long most_steps) {
+  const std::optional<fit::FittedParameters> known = known_parameters(data.fit);
+  data.over_phi = groups_over(Over::phi, data.runs);
+  data.over_dtau = groups_over(Over::dtau, data.runs);
+  const int points = data.over_phi.size() > kFewGroups || data.over_dtau.size() > kFewGroups ? 91 : 241;
+  const auto all_points = static_cast<long>(data.over_phi.size() + data.over_dtau.size()) * points;
+  const long share = most_steps / std::max(1L, all_points);
+  std::size_t left_out = 0;
+  for (const Over over : {Over::phi, Over::dtau})
+    for (ReportGroup& group : over == Over::phi ? data.over_phi : data.over_dtau) {
+      group.curve_x_rad = curve_angles(over, group, data.runs, points);
+      left_out += evaluate(data.runs[group.runs.front()].fitted.fitted, over, known, share, group);
+    }
+  if (left_out > 0)
+    data.warnings.push_back(fmt::format(
+        "the model's curves lack {} of {} points, where the motion takes more than {} steps to follow",
+        left_out, all_points, share));
 }
 
-std::vector<double> dtaus(const std::vector<ReportRun>& runs) {
-  std::vector<double> values;
-  for (const ReportRun& run : runs) values.push_back(run.dtau_rad);
-  return values;
+double angle_over(Over over, const ReportRun& run) {
+  if (over == Over::dtau) return run.dtau_rad;
+  const double wrapped = run.phi_rad - full_turn * std::floor(run.phi_rad / full_turn);
+  return wrapped > full_turn - kSameAngle ? wrapped - full_turn : wrapped;
 }
 
-void sort_by(const std::vector<double>& angle, std::vector<std::size_t>& members) {
-  std::stable_sort(members.begin(), members.end(),
-                   [&](std::size_t a, std::size_t b) { return angle[a] < angle[b]; });
-}
-
-std::vector<ReportGroup> group(const Angles& angles, const std::vector<ReportRun>& runs, double tolerance) {
+std::vector<ReportGroup> groups_over(Over over, const std::vector<ReportRun>& runs) {
+  const auto varied = [&](std::size_t i) { return angle_over(over, runs[i]); };
+  const auto shared = [&](std::size_t i) {
+    return angle_over(over == Over::phi ? Over::dtau : Over::phi, runs[i]);
+  };
   std::vector<std::size_t> members;
   for (std::size_t i = 0; i < runs.size(); ++i)
     if (belongs_in_a_figure(runs[i])) members.push_back(i);
-  sort_by(angles.shared, members);
-
+  std::ranges::stable_sort(members, {}, shared);
   std::vector<ReportGroup> groups;
   for (const std::size_t i : members) {
-    if (groups.empty() || angles.shared[i] - angles.shared[groups.back().runs.back()] > tolerance) {
+    if (groups.empty() || shared(i) - shared(groups.back().runs.back()) > kSameAngle) {
       groups.emplace_back();
-      groups.back().shared_rad = angles.shared[i];
+      groups.back().shared_rad = shared(i);
     }
     groups.back().runs.push_back(i);
   }
-  for (ReportGroup& g : groups) sort_by(angles.varied, g.runs);
-  std::erase_if(groups, [&](const ReportGroup& g) {
-    return angles.varied[g.runs.back()] - angles.varied[g.runs.front()] <= tolerance;
+  for (ReportGroup& group : groups) std::ranges::stable_sort(group.runs, {}, varied);
+  std::erase_if(groups, [&](const ReportGroup& group) {
+    return varied(group.runs.back()) - varied(group.runs.front()) <= kSameAngle;
   });
   return groups;
 }
 
-std::vector<double> even_steps(double from, double to, int count) {
+std::vector<double> curve_angles(Over over, const ReportGroup& group, const std::vector<ReportRun>& runs,
+                                 int count) {
+  double from = angle_over(over, runs[group.runs.front()]), to = angle_over(over, runs[group.runs.back()]);
+  const bool whole = over == Over::phi && to - from >= std::numbers::pi;
+  const double spare = 0.1 * (to - from);
+  from = whole ? 0 : std::max(0.0, from - spare);
+  to = whole ? full_turn : std::min(full_turn, to + spare);
   std::vector<double> values;
   for (int i = 0; i < count; ++i) values.push_back(from + (to - from) * i / std::max(count - 1, 1));
   return values;
-}
-
-std::vector<double> padded_range(double first, double last, int count) {
-  const double spare = 0.1 * (last - first);
-  return even_steps(std::max(0.0, first - spare), std::min(full_turn, last + spare), count);
-}
-
-}  // namespace
-
-double phi_in_one_turn(double phi_rad, double tolerance) {
-  const double wrapped = phi_rad - full_turn * std::floor(phi_rad / full_turn);
-  return wrapped > full_turn - tolerance ? wrapped - full_turn : wrapped;
-}
-
-std::vector<ReportGroup> group_over_phi(const std::vector<ReportRun>& runs, double tolerance) {
-  return group({.varied = phis(runs, tolerance), .shared = dtaus(runs)}, runs, tolerance);
-}
-
-std::vector<ReportGroup> group_over_dtau(const std::vector<ReportRun>& runs, double tolerance) {
-  return group({.varied = dtaus(runs), .shared = phis(runs, tolerance)}, runs, tolerance);
-}
-
-std::vector<double> curve_phis(const ReportGroup& group, const std::vector<ReportRun>& runs, int count) {
-  if (group.runs.empty()) return {};
-  const double first = phi_in_one_turn(runs[group.runs.front()].phi_rad);
-  const double last = phi_in_one_turn(runs[group.runs.back()].phi_rad);
-  if (last - first >= std::numbers::pi) return even_steps(0, full_turn, count);
-  return padded_range(first, last, count);
-}
-
-std::vector<double> curve_dtaus(const ReportGroup& group, const std::vector<ReportRun>& runs, int count) {
-  if (group.runs.empty()) return {};
-  return padded_range(runs[group.runs.front()].dtau_rad, runs[group.runs.back()].dtau_rad, count);
 }
 
 namespace {
@@ -240,11 +195,6 @@ bool add_model_path(ReportRun& run, long most_steps) {
     run.model_y_mm.push_back(track.y_mm[first] + at.y());
   }
   return true;
-}
-
-void note_no_model_path(const ReportRun& run, ReportData& data) {
-  data.warnings.push_back(fmt::format(
-      "run {}: the model's path is left out: the motion takes too many steps to follow", run.name));
 }
 
 void add_drawings(ReportRun& run) {

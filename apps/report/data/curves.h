@@ -18,21 +18,20 @@ void add_curves(ReportData& data, long most_steps = kMostCurveSteps);
 
 // Which runs belong in one curve of the report's figures, and where to evaluate the model for it.
 
-/// phi brought into one turn, [-tolerance, 2 pi - tolerance): a measured 0 that came out as 6.28 stays a 0.
-double phi_in_one_turn(double phi_rad, double tolerance = 0.02);
+enum class Over { phi, dtau };
 
-/// Groups of runs that share dtau and hold at least two different phi (paper, fig. 9a), ordered by dtau; the
-/// runs of a group are ordered by phi. Runs that failed, slid freely or lack phi, dtau or v are left out.
-/// Angles closer than `tolerance` rad count as equal (measured angles scatter).
-std::vector<ReportGroup> group_over_phi(const std::vector<ReportRun>& runs, double tolerance = 0.02);
+/// A run's phi in one turn, [-0.02, 2 pi - 0.02): a measured 0 that came out as 6.28 stays a 0; or its dtau.
+double angle_over(Over over, const ReportRun& run);
 
-/// The same with the parts exchanged: shared phi, at least two different dtau (figs. 9b and 10).
-std::vector<ReportGroup> group_over_dtau(const std::vector<ReportRun>& runs, double tolerance = 0.02);
+/// Groups of runs that share dtau and hold at least two different phi (paper, fig. 9a), ordered by dtau, or
+/// with the parts exchanged (figs. 9b and 10); the runs of a group are ordered by the varied one. Runs that
+/// failed, slid freely or lack phi, dtau or v are left out. Angles closer than 0.02 rad count as equal.
+std::vector<ReportGroup> groups_over(Over over, const std::vector<ReportRun>& runs);
 
 /// Where to evaluate the model for a group's curve, rad: a full turn for phi when the runs span at least half
 /// of one, else their range with a tenth to spare; never below 0 or above 2 pi.
-std::vector<double> curve_phis(const ReportGroup& group, const std::vector<ReportRun>& runs, int count = 121);
-std::vector<double> curve_dtaus(const ReportGroup& group, const std::vector<ReportRun>& runs, int count = 61);
+std::vector<double> curve_angles(Over over, const ReportGroup& group, const std::vector<ReportRun>& runs,
+                                 int count = 121);
 
 // The model's path of a run beside the measured one, and where the part was after each whole cycle.
 
@@ -44,7 +43,6 @@ inline constexpr long kMostPathSteps = 1'000'000;
 /// in the camera's frame, which holds the platform's motion too.
 /// False where the motion takes more than `most_steps` steps to follow; then there is no model path.
 bool add_model_path(ReportRun& run, long most_steps = kMostPathSteps);
-void note_no_model_path(const ReportRun& run, ReportData& data);
 
 /// Platform and lamp of a run as drawn: orbit, phase residual over time, brightness over phase; nothing where
 /// the platform was not seen to move. The lines drawn are the numbers of ReportRun::measured, not a new

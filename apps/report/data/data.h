@@ -73,7 +73,7 @@ struct ReportRun {
 };
 
 /// Runs that differ in one of phi, dtau and share the other, with the model's curve through them.
-/// Made by group_over_phi / group_over_dtau, the curve by add_curves (curves.h).
+/// Made by groups_over(), the curve by add_curves (curves.h).
 struct ReportGroup {
   double shared_rad = no_value;     ///< dtau of a group over phi, phi of a group over dtau
   std::vector<std::size_t> runs;    ///< indices into ReportData::runs
@@ -81,12 +81,6 @@ struct ReportGroup {
   std::vector<double> curve_alpha_rad,
       curve_alpha_sd_rad;  ///< sd by the parameters' covariance; NaN: not known
   std::vector<double> curve_v_mm_s, curve_v_sd_mm_s;
-};
-
-/// An input file by its bytes.
-struct ReportSource {
-  std::string name;
-  std::string hash;  ///< with its kind: "xxh3-128:...", and what of the file it is of where not all
 };
 
 struct ReportData {
@@ -111,7 +105,7 @@ struct ReportData {
   std::vector<ReportGroup> over_dtau;  ///< figures 9b and 10
 
   std::string program_version;
-  std::vector<ReportSource> inputs;
+  std::vector<Input> inputs;
   std::string configuration;  ///< effective, as text
 };
 

@@ -48,10 +48,6 @@ constexpr Dependence dependences[] = {
     {"v-dtau", false, false, "Mean velocity against the width of the friction pulse", "paper, figure 10"},
 };
 
-double shown_x(const ReportRun& run, const Dependence& figure) {
-  return figure.over_phi ? phi_in_one_turn(run.phi_rad) : run.dtau_rad;
-}
-
 /// What the runs of a group measured, beside the model in the standard deviations that chi^2 uses.
 struct Measured {
   Values x, y, sd, residual;
@@ -65,7 +61,7 @@ Measured measured(const ReportData& data, const ReportGroup& group, const Depend
     const char* observable = figure.of_alpha ? "alpha_rad" : "v_mm_s";
     const fit::Estimate seen = run.value(observable);
     const double used_sd = run.residual(observable, &fit::Residual::sd);
-    points.x.push_back(shown_x(run, figure));
+    points.x.push_back(angle_over(figure.over_phi ? Over::phi : Over::dtau, run));
     points.y.push_back(seen.value);
     points.sd.push_back(seen.sd);
     const double difference = seen.value - run.modelled(observable);
@@ -75,36 +71,11 @@ Measured measured(const ReportData& data, const ReportGroup& group, const Depend
   return points;
 }
 
-/// A curve of angles in [0, 2 pi), broken where it starts again at the other end, with its band.
-struct Curve {
-  Values x, y, low, high;
-  void add(double at, double value, double half) {
-    x.push_back(at);
-    y.push_back(value);
-    low.push_back(value - half);
-    high.push_back(value + half);
-  }
-};
-
-Curve curve_of(const ReportGroup& group, const Dependence& figure) {
-  Curve curve;
-  const Values& y = figure.of_alpha ? group.curve_alpha_rad : group.curve_v_mm_s;
-  const Values& sd = figure.of_alpha ? group.curve_alpha_sd_rad : group.curve_v_sd_mm_s;
-  for (std::size_t i = 0; i < group.curve_x_rad.size(); ++i) {
-    const double half = i < sd.size() ? kTwoSided95 * sd[i] : kNone;
-    if (figure.of_alpha && i > 0 && std::abs(y[i] - y[i - 1]) > kPi) {
-      // Upwards through 2 pi, or downwards through 0: where along x, on the straight line between the two.
-      const bool upwards = y[i] < y[i - 1];
-      const double to = y[i] + (upwards ? kTurn : -kTurn), edge = upwards ? kTurn : 0;
-      const double share = to == y[i - 1] ? 1 : (edge - y[i - 1]) / (to - y[i - 1]);
-      const double at = group.curve_x_rad[i - 1] + share * (group.curve_x_rad[i] - group.curve_x_rad[i - 1]);
-      curve.add(at, edge, half);
-      curve.add(at, kNone, kNone);
-      curve.add(at, kTurn - edge, half);
-    }
-    curve.add(group.curve_x_rad[i], y[i], half);
-  }
-  return curve;
+AngleCurve curve_of(const ReportGroup& group, const Dependence& figure) {
+  Values half = figure.of_alpha ? group.curve_alpha_sd_rad : group.curve_v_sd_mm_s;
+  for (double& sd : half) sd *= kTwoSided95;
+  return figure.of_alpha ? broken_at_turns(group.curve_x_rad, group.curve_alpha_rad, half)
+                         : AngleCurve{group.curve_x_rad, group.curve_v_mm_s, half};
 }
 
 /// Directions in [0, 2 pi) as they are, or about a middle where all lie within less than a turn: no needless
@@ -154,10 +125,15 @@ Figure figure_of(const ReportData& data, const Dependence& which, const std::vec
     const std::string name = many ? "" : (which.over_phi ? "Δτ = " : "φ = ") + angle(shared[g]);
     plot::Look look{.colour = static_cast<int>(g)};
     if (many) look.on_ramp = (shared[g] - scale.low) / scale.size();
-    const Curve curve = curve_of(groups[g], which);
-    bool banded = false;
-    for (std::size_t i = 0; i < curve.y.size(); ++i) banded = banded || curve.high[i] > curve.y[i];
-    if (banded && !many) main.traces.push_back(plot::band(name, curve.x, curve.low, curve.high, look));
+    const AngleCurve curve = curve_of(groups[g], which);
+    if (!many && std::ranges::any_of(curve.half, [](double half) { return half > 0; })) {
+      Values low = curve.y, high = curve.y;
+      for (std::size_t i = 0; i < curve.half.size(); ++i) {
+        low[i] -= curve.half[i];
+        high[i] += curve.half[i];
+      }
+      main.traces.push_back(plot::band(name, curve.x, low, high, look));
+    }
     main.traces.push_back(plot::line(name, curve.x, curve.y, look));
     const Measured points = measured(data, groups[g], which);
     if (std::ranges::any_of(points.residual, [](double y) { return std::isfinite(y); }))

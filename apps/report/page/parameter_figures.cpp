@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "apps/page/text.h"
@@ -11,7 +12,6 @@ namespace tribotrack::apps {
 namespace {
 
 constexpr std::size_t kMostParameters = 5;  // panels of a corner picture that can still be read
-constexpr std::size_t kMostSources = 8;
 
 bool determined(const fit::ParameterEstimate& p) {
   return std::isfinite(p.estimate) && std::isfinite(p.sd) && p.sd > 0;
@@ -132,40 +132,6 @@ std::vector<Figure> corner(const ReportData& data) {
   return {figure};
 }
 
-std::vector<Figure> budget(const ReportData& data) {
-  std::vector<const fit::BudgetEntry*> counted;
-  for (const fit::BudgetEntry& entry : data.fit.budget)
-    if (entry.counted && counted.size() < kMostSources) counted.push_back(&entry);
-  if (counted.empty()) return {};
-  Figure figure{.id = "budget-shares", .title = "Uncertainty budget"};
-  for (std::size_t i = 0; i < data.fit.parameters.size() && i < kMostParameters; ++i) {
-    const fit::ParameterEstimate& p = data.fit.parameters[i];
-    if (!determined(p)) continue;
-    Values shares, places;
-    Notes sources;
-    for (std::size_t k = 0; k < counted.size(); ++k) {
-      const double contribution = counted[k]->contribution(static_cast<Eigen::Index>(i));
-      shares.push_back(100 * contribution * contribution / (p.sd * p.sd));
-      places.push_back(static_cast<double>(counted.size() - 1 - k));
-      sources.push_back(counted[k]->source);
-    }
-    const Json y =
-        plot::with_ticks(plot::axis("", -0.6, static_cast<double>(counted.size()) - 0.4), places, sources);
-    figure.panels.push_back({.x = plot::axis("share of the variance, %", 0, 100),
-                             .y = figure.panels.empty() ? y : plot::hidden(y),
-                             .traces = {plot::bars(shares, places, sources, {.colour = static_cast<int>(i)})},
-                             .title = plain_symbol(fit::to_string(p.parameter))});
-  }
-  if (figure.panels.empty()) return {};
-  figure.columns = static_cast<int>(figure.panels.size());
-  figure.height = 0.12 + 0.035 * static_cast<double>(counted.size());
-  figure.caption =
-      "Contribution of each source to the variance of each parameter (JCGM 100); the shares add up to 100 %.";
-  figure.alternative =
-      "Shares of the sources of uncertainty in the variance of each parameter; the table has the numbers.";
-  return {figure};
-}
-
 /// Runs by their numbers, at most 24 of these written.
 Json run_axis(const std::string& title, std::size_t runs) {
   Values places;
@@ -211,8 +177,7 @@ std::vector<Figure> influence(const ReportData& data) {
 std::vector<Figure> parameter_figures(const ReportData& data) {
   if (!data.fitted()) return {};
   std::vector<Figure> figures = corner(data);
-  for (const auto& more : {budget(data), influence(data)})
-    figures.insert(figures.end(), more.begin(), more.end());
+  std::ranges::move(influence(data), std::back_inserter(figures));
   return figures;
 }
 
@@ -257,9 +222,10 @@ std::vector<Figure> residual_figures(const ReportData& data) {
               .y = plot::with_zero_line(plot::axis("residual, σ", -largest, largest)),
               .shapes = {plot::stripe(-2, 2)}};
   for (std::size_t k = 0; k < kinds.size(); ++k) {
-    const std::string name = observable_text(kinds[k].observable);
-    panel.traces.push_back(plot::points(name.substr(0, name.find(" (")), kinds[k].x, kinds[k].y,
-                                        {.colour = static_cast<int>(k), .legend = true}, kinds[k].notes));
+    const std::string& observable = kinds[k].observable;  // "alpha_rad"
+    panel.traces.push_back(plot::points(sentence_html(observable.substr(0, observable.find('_'))), kinds[k].x,
+                                        kinds[k].y, {.colour = static_cast<int>(k), .legend = true},
+                                        kinds[k].notes));
   }
   Figure figure{.id = "residuals", .title = "Residuals, run by run", .panels = {panel}, .height = 0.36};
   figure.caption =

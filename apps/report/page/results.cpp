@@ -48,9 +48,9 @@ std::string slide_table(const fit::FitResult& fit) {
     html += fmt::format(
         " Between slides μ<sub>1</sub> scatters with a standard deviation of {} ({}); the interval of "
         "the mean includes it, by Student’s t with {} degrees of freedom.",
-        number(fit.between_slides, 2),
-        fit.between_slides_p_value < 0.05
-            ? "more than chance explains, p = " + number(fit.between_slides_p_value, 2)
+        number(fit.between_slides.sd, 2),
+        fit.between_slides.p_value < 0.05
+            ? "more than chance explains, p = " + number(fit.between_slides.p_value, 2)
             : "no more than chance explains",
         fit.slides.size() - 1);
   return html + "</p>\n";
@@ -143,7 +143,7 @@ std::string interval_note(const ReportData& data, const std::vector<IntervalColu
             "parabola about its minimum";
   if (has_column(columns, &fit::ParameterEstimate::bootstrap_ci95))
     html += fmt::format("; the bootstrap interval holds 95 % of {} refits to simulated data (seed {})",
-                        data.fit.bootstrap, data.fit.bootstrap_seed);
+                        data.fit.bootstrap.refits, data.fit.bootstrap.seed);
   html += ".</p>\n";
   if (!data.fit.covariance_meaning.empty())
     html += "<p class=\"note\"><b>Which covariance this is:</b> " +

@@ -45,14 +45,7 @@ std::vector<double> left_um(const std::vector<double>& measured, const std::vect
 
 /// Does the part turn, beyond what its sd explains?
 bool part_turns(const ReportRun& run) {
-  if (!run.failure.empty()) return false;
-  double low = HUGE_VAL, high = -low;
-  for (const double theta : run.track.theta_rad)
-    if (std::isfinite(theta)) {
-      low = std::min(low, theta);
-      high = std::max(high, theta);
-    }
-  return high - low > kTurns * run.sigma_theta_rad;
+  return run.failure.empty() && range_of(run.track.theta_rad).size() > kTurns * run.sigma_theta_rad;
 }
 
 std::vector<Figure> over_time(const ReportData& data, std::size_t index) {
@@ -99,12 +92,9 @@ std::vector<Figure> over_time(const ReportData& data, std::size_t index) {
   return {figure};
 }
 
-/// Every n-th point.
 Json frames(const Values& x, const Values& y, bool legend) {
-  std::vector<std::size_t> places;
-  const std::size_t step = std::max<std::size_t>(1, (x.size() + kMostOfOrbit - 1) / kMostOfOrbit);
-  for (std::size_t k = 0; k < std::min(x.size(), y.size()); k += step) places.push_back(k);
-  return plot::points("frames", picked(x, places), picked(y, places), {.legend = legend, .small = true});
+  const DrawnPath drawn = thinned(x, y, kMostOfOrbit);
+  return plot::points("frames", drawn.x, drawn.y, {.legend = legend, .small = true});
 }
 
 Json fitted(const Values& x, const Values& y, bool legend) {
@@ -192,7 +182,7 @@ std::vector<Figure> slide_figures(const ReportData& data) {
         "Distance along the slide against time, with the law of friction at its own μ<sub>1</sub> (without "
         "spin a "
         "parabola, deceleration μ<sub>1</sub> g); below, measured minus fitted. " +
-        sentence_html(fit::slide_sentence(run.fitted) + own_sentence(data, run.name));
+        sentence_html(run.fitted.slide.sentence + own_sentence(data, run.name));
     figure.alternative =
         fmt::format("Free slide {}: distance against time and the residual below.", run.name);
     figure.panels = {main, below};

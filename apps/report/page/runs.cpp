@@ -67,45 +67,33 @@ std::string stage_table(const std::vector<vision::PlanStage>& stages) {
   return html + "</tbody></table>\n";
 }
 
+using Group = std::vector<std::size_t>;
+
 /// Runs in which the same stages were left out; the figures in the reasons are those of the first.
-struct PlanGroup {
-  std::vector<std::size_t> runs;
-  const std::vector<vision::PlanStage>* plan = nullptr;
-};
-
-bool same_stages(const std::vector<vision::PlanStage>& a, const std::vector<vision::PlanStage>& b) {
-  return std::ranges::equal(a, b, [](const vision::PlanStage& x, const vision::PlanStage& y) {
-    return x.name == y.name && x.on == y.on;
-  });
-}
-
-std::vector<PlanGroup> plan_groups(const std::vector<ReportRun>& runs) {
-  std::vector<PlanGroup> groups;
+std::vector<Group> plan_groups(const std::vector<ReportRun>& runs) {
+  std::vector<Group> groups;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (runs[i].track.plan.empty()) continue;
-    const auto same = std::ranges::find_if(
-        groups, [&](const PlanGroup& g) { return same_stages(*g.plan, runs[i].track.plan); });
+    const auto same = std::ranges::find_if(groups, [&](const Group& group) {
+      return std::ranges::equal(
+          runs[group.front()].track.plan, runs[i].track.plan,
+          [](const auto& x, const auto& y) { return x.name == y.name && x.on == y.on; });
+    });
     if (same == groups.end())
-      groups.push_back({{i}, &runs[i].track.plan});
+      groups.push_back({i});
     else
-      same->runs.push_back(i);
+      same->push_back(i);
   }
   return groups;
 }
 
 /// "1 name", or "runs 1, 3, 4" for several.
-std::string group_name(const PlanGroup& group, const std::vector<ReportRun>& runs) {
-  if (group.runs.size() == 1)
-    return fmt::format("{} {}", group.runs.front() + 1, escape_html(runs[group.runs.front()].name));
+std::string group_name(const Group& group, const std::vector<ReportRun>& runs) {
+  if (group.size() == 1)
+    return fmt::format("{} {}", group.front() + 1, escape_html(runs[group.front()].name));
   std::string text;
-  for (const std::size_t i : group.runs) text += fmt::format("{}{}", text.empty() ? "runs " : ", ", i + 1);
+  for (const std::size_t i : group) text += fmt::format("{}{}", text.empty() ? "runs " : ", ", i + 1);
   return text;
-}
-
-std::string left_out_text(const std::vector<vision::PlanStage>& stages) {
-  const auto left_out =
-      std::count_if(stages.begin(), stages.end(), [](const vision::PlanStage& s) { return !s.on; });
-  return fmt::format("{} of {} stages left out", left_out, stages.size());
 }
 
 }  // namespace
@@ -168,7 +156,7 @@ PageSection audit_section(const ReportData& data) {
   std::string rows;
   for (std::size_t i = 0; i < data.runs.size(); ++i) {
     const vision::Audit& audit = data.runs[i].track.audit;
-    const std::array ratios = {audit.halves_x, audit.halves_y, audit.high_frequency, audit.lag1};
+    const std::array ratios = {audit.halves_x, audit.halves_y, audit.high_frequency};
     if (std::none_of(ratios.begin(), ratios.end(), [](const auto& ratio) { return ratio.has_value(); }))
       continue;
     rows +=
@@ -181,7 +169,7 @@ PageSection audit_section(const ReportData& data) {
   if (rows.empty()) return section;
   section.html =
       table("audit-table", "compact",
-            {">#", "Run", ">left / right", ">top / bottom", ">frame to frame", ">lag 1", ">σ widened by",
+            {">#", "Run", ">left / right", ">top / bottom", ">frame to frame", ">σ widened by",
              ">correlated error added, px"},
             rows) +
       "<p class=\"note\">Ratios of the observed scatter to what the tracking’s own "
@@ -194,10 +182,13 @@ PageSection audit_section(const ReportData& data) {
 
 PageSection plan_section(const ReportData& data) {
   PageSection section{"plan", "Stages left out, and why", "", true};
-  for (const PlanGroup& group : plan_groups(data.runs))
-    section.html +=
-        fmt::format("<details class=\"print\"><summary>{}: {}</summary>\n{}</details>\n",
-                    group_name(group, data.runs), left_out_text(*group.plan), stage_table(*group.plan));
+  for (const Group& group : plan_groups(data.runs)) {
+    const auto& plan = data.runs[group.front()].track.plan;
+    section.html += fmt::format(
+        "<details class=\"print\"><summary>{}: {} of {} stages left out</summary>\n{}</details>\n",
+        group_name(group, data.runs), std::ranges::count(plan, false, &vision::PlanStage::on), plan.size(),
+        stage_table(plan));
+  }
   if (section.html.empty()) return section;
   section.html =
       "<p class=\"note\">Before it tracks a recording, the program decides which stages its scene does not "

@@ -163,8 +163,8 @@ std::string budget(const fit::FitResult& fit) {
 }  // namespace
 
 std::string report_text(const ReportData& data) {
-  std::string text = data.title + "\n" + subtitle_of(data) + "\n\n" + plain_text(verdict_of(data).heading) +
-                     ". " + plain_text(verdict_of(data).paragraph) + "\n\n";
+  std::string text = data.title + "\n" + subtitle_of(data) + "\n\n" + verdict_of(data).heading + ". " +
+                     verdict_of(data).paragraph + "\n\n";
   if (data.fitted())
     text += "parameters: estimate(standard uncertainty in the last digits)\n" + values(data.fit) +
             goodness_text(data.fit) + "\n" + budget(data.fit);

@@ -1,6 +1,7 @@
 #include "apps/report/tables/verdict.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -67,12 +68,6 @@ std::string agreement_text(const fit::FitResult& fit) {
       number(fit.chi2 / fit.dof, 3), expected_chi2_text(fit.dof, fit.noise_dof));
 }
 
-std::string with_symbols(const std::vector<std::string>& reasons) {
-  std::string text;
-  for (const std::string& reason : reasons) text += (text.empty() ? "" : "; ") + sentence_html(reason);
-  return text;
-}
-
 }  // namespace
 
 std::string expected_chi2_text(int dof, double noise_dof) {
@@ -83,25 +78,24 @@ std::string expected_chi2_text(int dof, double noise_dof) {
 Verdict verdict_of(const ReportData& data) {
   const fit::FitResult& fit = data.fit;
   if (!data.fitted())
-    return {.trust = Trust::no_fit,
-            .heading = "Measurements only",
+    return {.heading = "Measurements only",
             .paragraph = fmt::format("No parameters were fitted; the page shows what was measured in {}.",
                                      runs_used(data))};
-  const std::string reasons = with_symbols(fit.verdict_reasons);
+  const std::string reasons = fmt::format("{}", fmt::join(fit.verdict_reasons, "; "));
   const std::size_t failed = failed_runs(data);
   Verdict verdict;
   if (fit.verdict == fit::Use::do_not_use)
-    verdict = {Trust::do_not_use, "Do not use these values", reasons + "."};
+    verdict = {"bad", "Do not use these values", reasons + "."};
   else if (fit.verdict == fit::Use::care || failed > 0)
-    verdict = {Trust::with_care,
+    verdict = {"care",
                "Use with care: " + reasons + (reasons.empty() || failed == 0 ? "" : "; ") +
                    (failed == 0   ? ""
                     : failed == 1 ? "one run failed"
                                   : fmt::format("{} runs failed", failed)),
                ""};
   else
-    verdict = {Trust::usable, "Can be used", ""};
-  if (!verdict.paragraph.empty())
+    verdict = {"good", "Can be used", ""};
+  if (!verdict.paragraph.empty() && sentence_html(verdict.paragraph)[0] == verdict.paragraph[0])  // no symbol
     verdict.paragraph[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(verdict.paragraph[0])));
   if (fit.converged)
     verdict.paragraph += fmt::format("{}The fit to {} converged. {}", verdict.paragraph.empty() ? "" : " ",

@@ -14,14 +14,12 @@ std::string quoted_interval(const fit::ParameterEstimate& parameter);
 /// "Part 6 × 0.8 mm; 14 runs; filmed 2021-03-04; tribotrack VERSION": what is known of it.
 std::string subtitle_of(const ReportData& data);
 
-// The estimates and whether to trust them, in one paragraph.
-
-enum class Trust { usable, with_care, do_not_use, no_fit };
+// The estimates and whether to trust them, in one paragraph of plain text.
 
 struct Verdict {
-  Trust trust = Trust::no_fit;
-  std::string heading;    ///< "Can be used", "Use with care: ...", ...
-  std::string paragraph;  ///< HTML
+  const char* style = "none";  ///< of the page: good, care, bad; none: no fit
+  std::string heading;         ///< "Can be used", "Use with care: ...", ...
+  std::string paragraph;
 };
 
 /// The fit's own verdict and reasons, and failed runs.

@@ -49,12 +49,6 @@ TEST_F(Outputs, AnInputIsNeverWrittenOver) {
   for (const char* file : {"out/fit.json.meta.json", "out/tracks/slide.csv"})
     expect_kept(std::string("report out -q -o ") + file, file, "is an input");
   EXPECT_EQ(run("report out -q -o out/report.html").exit_code, 0);
-
-  // A recording that lies where `run` keeps its videos.
-  std::filesystem::create_directories(in_folder("mixed/tracks"));
-  std::filesystem::copy_file(in_folder("slide.cine"), in_folder("mixed/tracks/slide.mp4"));
-  put(in_folder("mixed.toml"), slides_campaign({"mixed/tracks/slide.mp4"}));
-  expect_kept("run mixed.toml -o mixed --overlay-videos -q", "mixed/tracks/slide.mp4", "is an input");
 }
 
 TEST_F(Outputs, AResultDoesNotTakeTheNameOfARecording) {

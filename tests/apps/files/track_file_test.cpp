@@ -102,26 +102,6 @@ TEST_F(TrackFiles, CovariancesAreThoseOfThePixelsTurned) {
   EXPECT_TRUE(file.table.marker[0].isApprox(1e-3 * s * turn * Eigen::Vector2d(3, 4), 1e-12));
 }
 
-TEST_F(TrackFiles, MistakesAreNamedWithTheirPlace) {
-  const std::string row = "0,0,1,2,0.1,0.1,0,1,ok,1,2,0.1,0.1\n";
-  EXPECT_THAT(complaint(""), HasSubstr("t.csv: is not a track"));
-  EXPECT_THAT(complaint("a,b\n1,2\n"), HasSubstr("t.csv: has no column `frame`: it holds rows of 2 columns"));
-  EXPECT_THAT(
-      complaint("frame;time_s;x\n1;2;3\n"),
-      HasSubstr(
-          "has no column `status`: it holds rows of 3 columns from line 2 on, separated by semicolons"));
-  EXPECT_THAT(complaint(kHeader + row + "1,0.1,1\n"), HasSubstr("t.csv:3: has 3 columns where 13 belong"));
-  EXPECT_THAT(complaint(kHeader + "0,0,1,2,0.1,0.1,0,1,ok,abc,2,0.1,0.1\n"),
-              HasSubstr("t.csv:2:24: `abc` is not a number in column x_mm"));
-  EXPECT_THAT(complaint(kHeader + "0,0,1,2,0.1,0.1,0,1,okay,1,2,0.1,0.1\n"),
-              HasSubstr("t.csv:2:21: `okay` is no status"));
-  EXPECT_THAT(complaint(kHeader + "0,0,1,2,,,0,1,ok,1,2,,0.1\n"), HasSubstr("sigma_x_mm"));
-  for (const char* frame : {"1e300", "0.5", "-1e17"})
-    EXPECT_THAT(complaint(kHeader + frame + row.substr(1)),
-                HasSubstr("t.csv:2:1: `" + std::string(frame) + "` is no frame's number"));
-  EXPECT_EQ(complaint(kHeader + row), "no complaint");
-}
-
 // Slow errors are part of a point's standard deviations: in the fit's table they stand in metres beside them.
 TEST_F(TrackFiles, SlowErrorsComeBackFromTheMetaFile) {
   const std::vector<vision::SlowPart> slow{{"pictures", 0.003, 0.04}, {"coder", 0.01 / 3, 0.2}};
@@ -139,13 +119,6 @@ TEST_F(TrackFiles, SlowErrorsComeBackFromTheMetaFile) {
   EXPECT_EQ(table.slow[0].time, 0.04);
   EXPECT_NEAR(table.covariance[0](0, 0), std::pow(0.1 * 0.02e-3, 2), 1e-24);
 
-  // A track of a version that knew their sum alone; and one without any.
-  meta.erase("slow_errors");
-  meta["summary"] = {{"slow_sd_px", 0.5}, {"slow_time_s", 0.3}};
-  ASSERT_EQ(track_described_by(meta, "").slow.size(), 1u);
-  EXPECT_EQ(read(kHeader + row, meta.dump()).table.slow.at(0).time, 0.3);
-  meta["summary"] = {{"slow_sd_px", 0}};
-  EXPECT_TRUE(track_described_by(meta, "").slow.empty());
   meta["slow_errors"] = {{{"from", "halves"}, {"sd_px", "much"}}};
   EXPECT_THROW(track_described_by(meta, "t.csv.meta.json"), InvalidInput);
 }
@@ -155,7 +128,6 @@ TEST_F(TrackFiles, TheAuditComesBackFromTheMetaFile) {
   audit.frames = 240;
   audit.halves_x = 1.1;
   audit.halves_y = 1.2;
-  audit.lag1 = -0.25;
   audit.white_factor = 1.7;
   audit.slow_sd = 0.004;
   audit.slow_time = 0.3;
@@ -172,7 +144,8 @@ TEST_F(TrackFiles, AForeignMetaFileIsOneSentence) {
   for (const char* meta :
        {"[1, 2]", "{\"scale\": {\"mm_per_px\": \"wide\"}}", "{\"summary\": {\"gate_passed\": 3}}",
         "{\"plan\": 3}", "{\"audit\": {\"frames\": 1e300}}", "{\"inputs\": {\"path\": \"a\"}}",
-        "{\"slow_errors\": [1]}", "{\"audit\": {\"lag1\": \"x\"}}", "{\"recording\": {\"exposure_s\": [1]}}"})
+        "{\"slow_errors\": [1]}", "{\"audit\": {\"halves_x\": \"x\"}}",
+        "{\"recording\": {\"exposure_s\": [1]}}"})
     EXPECT_THAT(complaint(csv, meta), HasSubstr("t.csv.meta.json: is not the meta file of a track")) << meta;
   EXPECT_THAT(complaint(csv, "{"), HasSubstr("t.csv.meta.json"));
 }

@@ -55,12 +55,12 @@ class ClockTruth : public ProgramTest {
   std::string wrong(const std::string& name, std::optional<double> fps = {},
                     std::optional<std::int64_t> step = {}) {
     TrackChoices choices;
-    choices.fps = fps;
-    choices.mm_per_px = 0.1;
-    choices.disc = {72 + kAmplitude * std::cos(kPhase), 40 + kAmplitude * std::sin(kPhase), 15};
-    choices.marker =
-        vision::MarkerChoice{vision::MarkerChoice::Kind::circle,
-                             {26 + kAmplitude * std::cos(kPhase), 30 + kAmplitude * std::sin(kPhase), 8}};
+    Json& camera = choices.keys["camera"];
+    if (fps) camera["frame_rate_hz"] = *fps;
+    camera["mm_per_px"] = 0.1;
+    const double x = kAmplitude * std::cos(kPhase), y = kAmplitude * std::sin(kPhase);
+    camera["disc_px"] = {72 + x, 40 + y, 15};
+    camera["marker_px"] = {26 + x, 30 + y, 8};
     choices.frame_step = step;
     try {
       const Recording recording = tracked(checked(recording_of(in_folder(name), choices)), std::nullopt);

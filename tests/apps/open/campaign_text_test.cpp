@@ -58,10 +58,11 @@ TEST(CampaignText, WhatCannotBeChangedSafelyIsRefused) {
   const auto complaint = [](const std::string& text, const CampaignEdit& edit) {
     return complaint_of([&] { with_edits(text, {edit}, "c.toml"); });
   };
-  EXPECT_THAT(complaint("camera = { mm_per_px = 1 }\n", {"camera", 0, "mm_per_px", "2"}),
+  EXPECT_EQ(set("camera = { mm_per_px = 1 }\n", "camera", "mm_per_px", "2"), "camera = { mm_per_px = 2 }\n");
+  EXPECT_EQ(set("camera.mm_per_px = 1\n", "camera", "mm_per_px", "2"), "camera.mm_per_px = 2\n");
+  EXPECT_THAT(complaint("camera = { mm_per_px = 1 }\n", {"camera", 0, "fps", "2"}),
               HasSubstr("only a person"));
-  EXPECT_THAT(complaint("camera.mm_per_px = 1\n", {"camera", 0, "mm_per_px", "2"}),
-              HasSubstr("only a person"));
+  EXPECT_THAT(complaint("camera.mm_per_px = 1\n", {"camera", 0, "fps", "2"}), HasSubstr("only a person"));
   EXPECT_THAT(complaint("", {"camera", 0, "mm_per_px", "1\n[fit]"}), HasSubstr("one line"));
   EXPECT_THAT(complaint("", {"camera", 0, "mm_per_px", "1, x = 2"}), HasSubstr("mm_per_px:1:"));
   EXPECT_THAT(complaint("", {"camera]", 0, "x", "1"}), HasSubstr("no such key"));

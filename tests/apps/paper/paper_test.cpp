@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
 #include "apps/files/scenario_file.h"
 #include "apps/page/assets/embedded_assets.h"
@@ -198,19 +197,6 @@ TEST(PaperPage, EveryClaimStandsOnceWithItsVerdict) {
   }
 }
 
-TEST(PaperTable, HasARowForEachClaim) {
-  std::istringstream csv(claims_csv(paper()));
-  std::string line;
-  std::getline(csv, line);
-  EXPECT_EQ(line, "figure,place,claim,verdict,quantity,conditions,value,unit,statement,finding");
-  for (const Claim& claim : paper().claims) {
-    ASSERT_TRUE(std::getline(csv, line));
-    EXPECT_THAT(line, HasSubstr("\"" + std::string(claim.name) + "\"," + to_string(claim.verdict)));
-    EXPECT_EQ(std::string_view(claim.statement).find('"'), std::string_view::npos);
-  }
-  EXPECT_FALSE(std::getline(csv, line));
-}
-
 class PaperCommand : public ProgramTest {};
 
 TEST_F(PaperCommand, WritesThePageAndItsTables) {
@@ -219,11 +205,6 @@ TEST_F(PaperCommand, WritesThePageAndItsTables) {
   EXPECT_EQ(outcome.out, "");
   EXPECT_THAT(outcome.err, HasSubstr("8 figures, 20 claims"));
   std::vector<std::string> names = {"paper.html", "claims.csv"};
-  for (const PaperFigure& figure : paper().figures) {
-    names.push_back(figure.id + ".csv");
-    EXPECT_THAT(content_of(in_folder("out") / names.back()), testing::StartsWith("panel,series,"))
-        << figure.id;
-  }
   for (const std::string& name : names) {
     EXPECT_TRUE(std::filesystem::exists(in_folder("out") / name)) << name;
     EXPECT_TRUE(std::filesystem::exists(in_folder("out") / (name + ".meta.json"))) << name;

@@ -88,8 +88,8 @@ class Track(ProgramTest):
             ({"fps": -1}, "fps must be greater than 0, not -1"),
             ({"fps": 250, "mm_per_px": 0.1, "chamfer_mm": 0.1}, "chamfer_mm needs disc_diameter_mm"),
             ({"fps": 250, "disc": (1, 2)}, "disc must be (x, y, radius) in pixels"),
-            ({"fps": 250, "disc": (1, 2, 0)}, "disc 1,2,0: the radius must be greater than 0"),
-            ({"fps": 250, "marker": "round"}, "marker must be (x, y, radius) in pixels, auto"),
+            ({"fps": 250, "disc": (1, 2, 0)}, "disc must have a radius greater than 0"),
+            ({"fps": 250, "marker": "round"}, "marker must be auto"),
             ({"fps": 250, "frames": (5, 2)}, "the first frame comes after the last"),
             ({"fps": 250, "frames": "0:3"}, "frames must be (first, last)"),
             ({"fps": 250, "bits": 9}, "bits must be 1 to 8"),
@@ -99,7 +99,7 @@ class Track(ProgramTest):
         ]:
             with self.subTest(options), self.assertRaises(tribotrack.InputError) as refused:
                 tribotrack.track(self.frames, **options)
-            self.assertIn(said, str(refused.exception).replace("disc=1,2,0", "disc 1,2,0"))
+            self.assertIn(said, str(refused.exception))
         with self.assertRaises(tribotrack.MissingFileError):
             tribotrack.track(self.folder / "none.cine", fps=250)
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "apps/text/angle.h"
+
 namespace tribotrack::apps {
 namespace {
 
@@ -16,9 +18,9 @@ NameGuess guess(const std::string& name) {
 
 void expect_degrees(const std::string& name, double phi, double dtau) {
   const NameGuess found = guess(name);
-  ASSERT_TRUE(found.phi_rad && found.dtau_rad) << name;
-  EXPECT_NEAR(*found.phi_rad, phi * kDegree, 1e-12) << name;
-  EXPECT_NEAR(*found.dtau_rad, dtau * kDegree, 1e-12) << name;
+  ASSERT_FALSE(found.phi_text.empty() || found.dtau_text.empty()) << name;
+  EXPECT_NEAR(*parse_angle(found.phi_text), phi * kDegree, 1e-12) << name;
+  EXPECT_NEAR(*parse_angle(found.dtau_text), dtau * kDegree, 1e-12) << name;
 }
 
 TEST(NameGuess, DegreesAsLabsWriteThem) {
@@ -37,28 +39,26 @@ TEST(NameGuess, DegreesAsLabsWriteThem) {
 
 TEST(NameGuess, RadiansWhereTheyAreSaidOrFractions) {
   const NameGuess said = guess("phi0.785rad_dtau1.05rad");
-  EXPECT_DOUBLE_EQ(*said.phi_rad, 0.785);
+  EXPECT_DOUBLE_EQ(*parse_angle(said.phi_text), 0.785);
   EXPECT_EQ(said.phi_text, "0.785");
   const NameGuess fractions = guess("phi0.785_dtau1.05");
-  EXPECT_DOUBLE_EQ(*fractions.dtau_rad, 1.05);
+  EXPECT_DOUBLE_EQ(*parse_angle(fractions.dtau_text), 1.05);
 }
 
 TEST(NameGuess, OneNameSettlesTheUnitOfAll) {
   const auto guesses = guesses_from({"phi0_dtau5", "phi90_dtau5"});
-  ASSERT_TRUE(guesses[0].dtau_rad);
-  EXPECT_NEAR(*guesses[0].dtau_rad, 5 * kDegree, 1e-12);
-  EXPECT_FALSE(guess("phi0_dtau5").phi_rad) << "by itself it may be either";
+  ASSERT_NE(guesses[0].dtau_text, "");
+  EXPECT_NEAR(*parse_angle(guesses[0].dtau_text), 5 * kDegree, 1e-12);
+  EXPECT_EQ(guess("phi0_dtau5").phi_text, "") << "by itself it may be either";
 }
 
 TEST(NameGuess, WhatIsNotThereIsNotGuessed) {
   for (const char* name : {"recording7", "IMG_20210511", "trial_45", "disc6mm", "update12", "cam1_0045"}) {
     const NameGuess found = guess(name);
-    EXPECT_FALSE(found.phi_rad) << name;
-    EXPECT_FALSE(found.dtau_rad) << name;
     EXPECT_TRUE(found.phi_text.empty() && found.dtau_text.empty()) << name;
   }
-  EXPECT_TRUE(guess("phi045").phi_rad);
-  EXPECT_FALSE(guess("phi045").dtau_rad);
+  EXPECT_EQ(guess("phi045").phi_text, "45deg");
+  EXPECT_EQ(guess("phi045").dtau_text, "");
 }
 
 TEST(NameGuess, FrameRatesAndSlides) {

@@ -102,7 +102,7 @@ TEST(Judge, EachFaultForbidsAndEachDoubtIsNamed) {
   EXPECT_THAT(doubt([](FitResult& r) { r.minima.resize(2); }), HasSubstr("other values fit nearly as well"));
   EXPECT_THAT(doubt([](FitResult& r) {
                 r.slides.resize(2);
-                r.between_slides_p_value = 1e-9;
+                r.between_slides.p_value = 1e-9;
               }),
               HasSubstr("differs from slide to slide"));
   EXPECT_THAT(doubt([](FitResult& r) { r.slides.resize(1), r.slides.front().blows.resize(1); }),

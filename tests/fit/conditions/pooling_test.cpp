@@ -23,20 +23,10 @@ TEST(Pooling, ThreeValuesByHand) {
   const double mean = 5.5 / 2.25;
   EXPECT_DOUBLE_EQ(pooled.mean.value, mean);
   EXPECT_DOUBLE_EQ(pooled.mean.sd, 1 / 1.5);
-  EXPECT_DOUBLE_EQ(pooled.own_sd, 1 / 1.5);
   EXPECT_DOUBLE_EQ(pooled.chi2, std::pow(1 - mean, 2) + std::pow(2 - mean, 2) / 4 + std::pow(4 - mean, 2));
   EXPECT_NEAR(pooled.p_value, std::exp(-pooled.chi2 / 2), 1e-14);  // two degrees of freedom
   EXPECT_EQ(pooled.count, 3u);
   EXPECT_TRUE(pooled.one_value());
-}
-
-TEST(Pooling, WhatAllShareIsNotAveragedOut) {
-  std::vector<Estimate> values;
-  for (int k = 0; k < 16; ++k) values.push_back({3.0 + (k % 2 == 0 ? 0.04 : -0.04), std::hypot(0.04, 0.03)});
-  const Pooled pooled = pool(values, 0.03);
-  EXPECT_NEAR(pooled.chi2, 16, 1e-9);  // each is one own sd off
-  EXPECT_NEAR(pooled.own_sd, 0.01, 1e-12);
-  EXPECT_NEAR(pooled.mean.sd, std::hypot(0.01, 0.03), 1e-12);
 }
 
 TEST(Pooling, RefusesAtOneInAThousandOnBothSidesOfTheEdge) {
@@ -45,7 +35,7 @@ TEST(Pooling, RefusesAtOneInAThousandOnBothSidesOfTheEdge) {
   EXPECT_TRUE(pool(std::vector<Estimate>{{0, 1}, {0.999 * edge, 1}}).one_value());
   const Pooled refused = pool(std::vector<Estimate>{{0, 1}, {1.001 * edge, 1}});
   EXPECT_FALSE(refused.one_value());
-  EXPECT_NEAR(refused.own_sd, 0.5 * 1.001 * edge, 1e-12);  // the scatter's, not 1 / sqrt(2)
+  EXPECT_NEAR(refused.mean.sd, 0.5 * 1.001 * edge, 1e-12);  // the scatter's, not 1 / sqrt(2)
 }
 
 TEST(Pooling, SeldomRefusesOneQuantityAndItsSdIsItsScatter) {
@@ -55,13 +45,12 @@ TEST(Pooling, SeldomRefusesOneQuantityAndItsSdIsItsScatter) {
   double squares = 0;
   constexpr int campaigns = 4000;
   for (int c = 0; c < campaigns; ++c) {
-    const double shared = 0.5 * normal(random);
     std::vector<Estimate> values;
     for (int k = 0; k < 6; ++k) {
       const double own = 0.2 + 0.3 * k;
-      values.push_back({10 + shared + own * normal(random), std::hypot(own, 0.5)});
+      values.push_back({10 + own * normal(random), own});
     }
-    const Pooled pooled = pool(values, 0.5);
+    const Pooled pooled = pool(values);
     refused += !pooled.one_value();
     squares += std::pow((pooled.mean.value - 10) / pooled.mean.sd, 2);
   }

@@ -10,10 +10,7 @@
 #include <random>
 
 #include "fit/campaign.h"
-#include "fit/design/forecast.h"
 #include "fit/estimate.h"
-#include "fit/tools/stage_progress.h"
-#include "model/trajectory.h"
 
 namespace tribotrack::fit {
 namespace {
@@ -60,75 +57,6 @@ model::Scenario advised(const NextExperiment& next) {
   scenario.drive.amplitude = scenario.drive.amplitude_y = next.amplitude;
   scenario.drive.angular_frequency = next.angular_frequency;
   return scenario;
-}
-
-// A search that is late forecasts nothing more.
-TEST(NextExperiment, IsBounded) {
-  Problem problem = sweep_of_phi();
-  problem.conditions = {{FitParameter::tilt_x, 1e-3, "level"}};  // one by one, not in lanes
-  const internal::Unknowns unknowns(problem);
-  const internal::Residuals residuals(unknowns);
-  const Eigen::VectorXd values = unknowns.first_guess();
-  const internal::Forecaster forecaster(residuals, values);
-  const std::vector<internal::Candidate> candidates = {forecaster.drive_so_far()};
-  internal::Stage late(quick(true), "", 0, internal::Stage::Seconds(0)), early(quick(true), "");
-  EXPECT_TRUE(late.late());
-  EXPECT_FALSE(early.late());
-  EXPECT_FALSE(forecaster.forecasts(candidates, 1e-3, 1, late).front());
-  EXPECT_TRUE(forecaster.forecasts(candidates, 1e-3, 1, early).front());
-}
-
-/// Forecasts from differences of runs in lanes are those of exact derivatives, whatever is fitted.
-TEST(NextExperiment, ForecastsTogetherAreThoseOneByOne) {
-  for (const bool drive : {false, true}) {
-    Problem problem = sweep_of_phi();
-    if (drive) {
-      problem.free.push_back(FitParameter::amplitude);
-      problem.free.push_back(FitParameter::angular_frequency);
-      problem.free[2] = FitParameter::delay;
-      problem.start.erase(FitParameter::lag);
-      problem.start[FitParameter::delay] = 0.002;  // edges at the very start make a kink
-    }
-    const internal::Unknowns unknowns(problem);
-    internal::Residuals residuals(unknowns);
-    const Eigen::VectorXd values = unknowns.first_guess();
-    const internal::Forecaster forecaster(residuals, values);
-    std::vector<internal::Candidate> candidates;
-    for (const double phi : {0.0, 2.0})
-      for (const double width : {0.6, 1.7, 2.9, 5.1})
-        for (const double share : {1.0, 0.8, 1.25}) {
-          candidates.push_back(forecaster.drive_so_far());
-          candidates.back().phi = phi;
-          candidates.back().dtau = width;
-          candidates.back().amplitude *= share;
-        }
-    const FitOptions options;
-    internal::Stage stage(options, "forecasts");
-    const auto together = forecaster.forecasts(candidates, 1e-9, 2, stage);
-    for (std::size_t k = 0; k < candidates.size(); ++k) {
-      const auto alone = forecaster.forecast(candidates[k], 1e-9);
-      ASSERT_TRUE(alone && together[k]) << k;
-      EXPECT_LT((together[k]->information - alone->information).norm(), 2e-3 * alone->information.norm())
-          << k;
-    }
-  }
-}
-
-/// Where mu2 is nearly 0, in the bend of a flat valley, a step to either side would leave the model's range.
-TEST(NextExperiment, ThereAreForecastsWhereMu2IsNearlyNothing) {
-  const Problem problem = sweep_of_phi();
-  const internal::Unknowns unknowns(problem);
-  internal::Residuals residuals(unknowns);
-  Eigen::VectorXd values = unknowns.first_guess();
-  values(*unknowns.find(FitParameter::mu2)) = 1e-9;
-  const internal::Forecaster forecaster(residuals, values);
-  const internal::Candidate candidate = forecaster.drive_so_far();
-  const FitOptions options;
-  internal::Stage stage(options, "forecasts");
-  const auto together = forecaster.forecasts({candidate}, 1e-9, 1, stage);
-  const auto alone = forecaster.forecast(candidate, 1e-9);
-  ASSERT_TRUE(alone && together[0]);
-  EXPECT_LT((together[0]->information - alone->information).norm(), 2e-3 * alone->information.norm());
 }
 
 /// Each stage counts up to all there is to do, and one thread at a time reports it.
@@ -179,32 +107,6 @@ TEST(NextExperiment, ThePredictedSdIsThatOfTheFitWithIt) {
     }
   }
   EXPECT_TRUE(another_drive);
-}
-
-// No other place of the grid does better, by fits with each of them.
-TEST(NextExperimentCampaign, DISABLED_IsTheBestOfTheGrid) {
-  Problem problem = sweep_of_phi();
-  const FitResult before = estimate(problem, quick(true));
-  ASSERT_TRUE(before.next_experiment);
-  const auto& advice = before.other_next_experiments;
-  const auto for_mu2 = std::find_if(advice.begin(), advice.end(), [](const NextExperiment& next) {
-    return next.aim == FitParameter::mu2 && next.amplitude == 0.28e-3 && next.angular_frequency == 62.8;
-  });
-  const double volume_told = [&] {
-    Problem more = problem;
-    more.summary_runs.push_back(film(advised(*before.next_experiment)));
-    return estimate(more, quick(false)).covariance.determinant();
-  }();
-  const double mu2_told = for_mu2 == advice.end() ? before.next_experiment->predicted_sd.at(FitParameter::mu2)
-                                                  : for_mu2->predicted_sd.at(FitParameter::mu2);
-  for (int j = 1; j < 8; ++j)
-    for (int k = 0; k < 8; k += 2) {
-      Problem more = problem;
-      more.summary_runs.push_back(film(test::scenario(kTruth, k * pi / 4, j * pi / 4)));
-      const FitResult after = estimate(more, quick(false));
-      EXPECT_GE(after.covariance.determinant(), 0.9 * volume_told) << j << ", " << k;
-      EXPECT_GE(after.parameters[1].sd, 0.97 * mu2_told) << j << ", " << k;
-    }
 }
 
 TEST(NextExperiment, OfTracksIsATrack) {

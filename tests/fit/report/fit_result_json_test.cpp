@@ -48,7 +48,7 @@ FitResult full() {
   run.influence = {0.1, -0.2};
   run.points = 7;
   run.nuisance["initial_speed_mm_s"] = 612;
-  run.slide = {{0, 0.1}, {0, 0.05}, {0, 0.051}};
+  run.slide = {{0, 0.1}, {0, 0.05}, {0, 0.051}, "Slowly."};
   SlideResult& slide = fit.slides.emplace_back();
   slide.run = "a";
   slide.mu1 = {0.148, 0.002};
@@ -83,8 +83,7 @@ FitResult full() {
   entry.contribution = Eigen::Vector2d(1e-6, 0.02);
   entry.sensitivity = Eigen::Vector2d(1e-4, 1);
   fit.loss = Loss::huber;
-  fit.bootstrap = 400;
-  fit.bootstrap_seed = 7;
+  fit.bootstrap = {400, 7};
   fit.warnings = {"Read this."};
   return fit;
 }
@@ -187,7 +186,8 @@ TEST(FitResultJson, AFileWithoutItsKeysIsRefusedByName) {
 /// The same of a run's scenario.
 std::string refusal_of(const char* key, const Json& value) {
   return refusal([&](Json& fit) {
-    Json run = {{"name", "a"}, {"observables", Json::array()}, {"scenario", scenario_json({})}};
+    Json run = {
+        {"name", "a"}, {"observables", Json::array()}, {"scenario", Json(full())["runs"][0]["scenario"]}};
     (std::string(key) == "scenario" ? run[key] : run["scenario"][key]) = value;
     fit["runs"] = {run};
   });

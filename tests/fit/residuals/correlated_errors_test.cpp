@@ -20,7 +20,6 @@ namespace tribotrack::fit::internal {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr ErrorParts every = kAllParts;
 
 std::vector<double> times_of(int n, double rate) {
   std::vector<double> times;
@@ -58,7 +57,7 @@ TEST(CorrelatedErrors, WhiteningIsThatOfTheDenseCovariance) {
   std::normal_distribution<double> normal;
   const int n = 90;
   const auto times = times_of(n, 100);
-  const ErrorShapes shapes = error_shapes(times, 30, 0.4, 1.7, kOwnParts);
+  const ErrorShapes shapes = error_shapes(times, 30, 0.4, 1.7, kAllParts);
   const std::vector<Eigen::Matrix2d> covariances = covariances_of(n, random);
   const PointWhitening points(times, covariances, std::vector<double>(n, 1), {});
   const Eigen::MatrixX2d white = points.shift();
@@ -107,9 +106,7 @@ TEST(CorrelatedErrors, VariancesAreTheMostLikely) {
   std::mt19937 random(seed);
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  test::SlowTruth slow{.drift = 2e-6, .walk = 1e-6, .circle = 0.3e-6, .overtones = 0.7e-6};
-  slow.common_drift = 20e-6;
-  slow.common = {Eigen::Vector2d(3e-6, -2e-6), Eigen::Vector2d(1e-6, 4e-6)};
+  const test::SlowTruth slow{.drift = 2e-6, .walk = 1e-6, .circle = 1e-6, .overtones = 0.7e-6};
   for (int k = 0; k < 3; ++k)
     problem.trajectory_runs.push_back(
         test::slow_track(test::scenario({}, 2.0 * k, 0.8 + 0.3 * k, 3), 200, 0.5e-6, slow, random));
@@ -120,9 +117,6 @@ TEST(CorrelatedErrors, VariancesAreTheMostLikely) {
   int present = 0;
   for (const double variance : found.variances) present += variance > 0;
   ASSERT_GE(present, 3);
-  constexpr auto circle = static_cast<std::size_t>(ErrorPart::common_circle);
-  EXPECT_GT(found.variances[circle], std::pow(1e-6, 2));
-  EXPECT_LT(found.variances[circle], std::pow(8e-6, 2));
 
   const auto before = residuals.at(truth);
   ASSERT_TRUE(before);
@@ -134,28 +128,21 @@ TEST(CorrelatedErrors, VariancesAreTheMostLikely) {
   const auto dense = [&](const CorrelatedVariances& variances) {
     Eigen::MatrixXd v = Eigen::MatrixXd::Identity(r.size(), r.size());
     Eigen::MatrixXd x(r.size(), 3 + 6);
-    Eigen::MatrixXd common = Eigen::MatrixXd::Zero(r.size(), 14);
     x.leftCols(3) = jacobian * unknowns.natural_units(truth).asDiagonal();
     x.rightCols(6).setZero();
     for (std::size_t i = 0; i < 3; ++i) {
       const Eigen::MatrixX2d white = residuals.track(i).white();
-      const ErrorShapes shapes = residuals.track(i).shapes(every);
+      const ErrorShapes shapes = residuals.track(i).shapes(kAllParts);
       const auto row = static_cast<Eigen::Index>(i) * white.rows();
       x.block(row, 3 + 2 * static_cast<Eigen::Index>(i), white.rows(), 2) = white / white.norm();
-      Eigen::Index shared = 0;
       for (std::size_t j = 0; j < shapes.count(); ++j)
         for (Eigen::Index axis = 0; axis < 2; ++axis) {
-          Eigen::VectorXd u = white * shapes.axes(j).col(axis);
+          Eigen::VectorXd u = white.col(axis);
           for (Eigen::Index k = 0; k < u.size(); ++k)
             u(k) *= shapes.values(k / 2, static_cast<Eigen::Index>(j));
-          if (is_common(shapes.part[j])) {
-            common.col(shared++).segment(row, u.size()) = std::sqrt(variances[shapes.part[j]]) * u;
-            continue;
-          }
           v.block(row, row, u.size(), u.size()) += variances[shapes.part[j]] * u * u.transpose();
         }
     }
-    v += common * common.transpose();
     return Dense{v, x};
   };
   const auto likelihood = [&](const CorrelatedVariances& variances) {
@@ -177,30 +164,6 @@ TEST(CorrelatedErrors, VariancesAreTheMostLikely) {
       EXPECT_LT(likelihood(moved), best + 1e-3) << "part " << part << " step " << step;
     }
   }
-
-  // Whitened by them, in the runs and across the runs, the residuals have the sum of squares and the normal
-  // matrix of the dense covariance, and the common error expected is its own, too.
-  const auto [v, x] = dense(found.variances);
-  ExcessVariance scatter = residuals.excess_variance();
-  scatter.correlated = found.variances;
-  residuals.set_excess_variance(scatter);
-  const auto after = residuals.at(truth);
-  ASSERT_TRUE(after);
-  const Eigen::LLT<Eigen::MatrixXd> factor(v);
-  Eigen::MatrixXd data(v.rows(), 4);
-  data << x.leftCols(3), r;
-  const Eigen::MatrixXd start = x.rightCols(6), v_data = factor.solve(data),
-                        crossed = start.transpose() * v_data;
-  const Eigen::MatrixXd expected =
-      data.transpose() * v_data -
-      crossed.transpose() * Eigen::MatrixXd(start.transpose() * factor.solve(start)).ldlt().solve(crossed);
-  Eigen::MatrixXd whitened(v.rows(), 4);
-  whitened << after->scaled(unknowns.natural_units(truth)).jacobian(3), after->residuals();
-  EXPECT_LT((whitened.transpose() * whitened - expected).norm(), 1e-9 * expected.norm());
-  const Eigen::VectorXd common = residuals.common_error(truth);
-  ASSERT_GE(common.size(), 4);
-  const double told[] = {3e-6, -2e-6, 1e-6, 4e-6};
-  for (Eigen::Index k = 0; k < 4; ++k) EXPECT_NEAR(common(k), told[k], 1.5e-6) << k;
 }
 
 // The forecast of a track like an existing one has the information of that one.

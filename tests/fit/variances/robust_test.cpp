@@ -31,12 +31,10 @@ FitOptions quick() {
   return options;
 }
 
-TEST(Robust, WeightsAreThoseOfTheLosses) {
+TEST(Robust, WeightsAreThoseOfTheLoss) {
   using internal::robust_weight;
-  EXPECT_EQ(robust_weight(1.9, Loss::huber), 1);
-  EXPECT_DOUBLE_EQ(robust_weight(8, Loss::huber), 0.25);
-  EXPECT_DOUBLE_EQ(robust_weight(3, Loss::cauchy), 0.5);
-  EXPECT_EQ(robust_weight(50, Loss::squares), 1);
+  EXPECT_EQ(robust_weight(1.9), 1);
+  EXPECT_DOUBLE_EQ(robust_weight(8), 0.25);
 }
 
 TEST(Robust, OneBadRunDoesNotPull) {
@@ -54,49 +52,19 @@ TEST(Robust, OneBadRunDoesNotPull) {
       std::abs(squares.as_assumed.at(FitParameter::mu1).estimate - reference.value(FitParameter::mu1));
   EXPECT_THAT(squares.quoted_under, testing::ElementsAre(HasSubstr("contradicts the others")));
   EXPECT_LT(std::abs(squares.value(FitParameter::mu1) - reference.value(FitParameter::mu1)), 0.35 * pulled);
-  for (const Loss loss : {Loss::huber, Loss::cauchy}) {
-    options.loss = loss;
-    const FitResult robust = estimate(bad, options);
-    EXPECT_TRUE(robust.usable());
-    EXPECT_THAT(robust.covariance_meaning, HasSubstr(loss == Loss::huber ? "Huber" : "Cauchy"));
-    EXPECT_THAT(robust.covariance_meaning, HasSubstr("profile likelihood has no meaning"));
-    const double moved = std::abs(robust.value(FitParameter::mu1) - reference.value(FitParameter::mu1));
-    EXPECT_LT(moved, 0.35 * pulled);
-    for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_GT(robust.parameters[i].sd, 0.6 * reference.parameters[i].sd);
-      EXPECT_LT(robust.parameters[i].sd, 2.5 * reference.parameters[i].sd);
-    }
-    ASSERT_EQ(robust.outliers.size(), 1U);
-    EXPECT_EQ(robust.outliers[0].run, bad.summary_runs[4].name);
-  }
-}
-
-// Good data: a robust loss costs little, and its intervals still hold at their rate (binomial, 80 tries).
-TEST(RobustCampaign, DISABLED_ItsIntervalsHoldOnGoodData) {
-  const unsigned seed = 12;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  FitOptions options = quick();
   options.loss = Loss::huber;
-  options.multi_starts = 1;
-  const Truth truth;
-  Problem exact;
-  exact.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  for (const auto& s : test::fourteen(truth))
-    exact.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3));
-  std::normal_distribution<double> normal;
-  int inside[3] = {0, 0, 0};
-  for (int trial = 0; trial < 80; ++trial) {
-    Problem problem = exact;
-    for (auto& run : problem.summary_runs)
-      run.measured.vector += Eigen::Matrix2d(run.measured.covariance.llt().matrixL()) *
-                             Eigen::Vector2d(normal(random), normal(random));
-    const FitResult result = estimate(problem, options);
-    const double truths[] = {truth.mu1, truth.mu2, truth.lag};
-    for (std::size_t i = 0; i < 3; ++i)
-      inside[i] += result.parameters[i].ci95.low <= truths[i] && truths[i] <= result.parameters[i].ci95.high;
+  const FitResult robust = estimate(bad, options);
+  EXPECT_TRUE(robust.usable());
+  EXPECT_THAT(robust.covariance_meaning, HasSubstr("Huber"));
+  EXPECT_THAT(robust.covariance_meaning, HasSubstr("profile likelihood has no meaning"));
+  const double moved = std::abs(robust.value(FitParameter::mu1) - reference.value(FitParameter::mu1));
+  EXPECT_LT(moved, 0.35 * pulled);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_GT(robust.parameters[i].sd, 0.6 * reference.parameters[i].sd);
+    EXPECT_LT(robust.parameters[i].sd, 2.5 * reference.parameters[i].sd);
   }
-  for (const int count : inside) EXPECT_GE(count, 68);  // P(X < 68) = 0.0006 at 95 %
+  ASSERT_EQ(robust.outliers.size(), 1U);
+  EXPECT_EQ(robust.outliers[0].run, bad.summary_runs[4].name);
 }
 
 TEST(Outliers, AMislabelledRunIsNamedWithThePhiItLooksLike) {
@@ -151,8 +119,8 @@ TEST(Bootstrap, AgreesWithTheOtherIntervalsWhereAllAreGaussian) {
   options.bootstrap_seed = 99;
   options.profiles = true;
   const FitResult result = estimate(problem, options);
-  EXPECT_EQ(result.bootstrap_seed, 99U);
-  EXPECT_GE(result.bootstrap, 395);
+  EXPECT_EQ(result.bootstrap.seed, 99U);
+  EXPECT_GE(result.bootstrap.refits, 395);
   for (const auto& p : result.parameters) {
     // Ends of 400 draws are uncertain by about 0.13 sd.
     EXPECT_NEAR(p.bootstrap_ci95.low, p.profile_ci95.low, 0.5 * p.sd);

@@ -1,5 +1,4 @@
-// Scatter between runs: from repetitions where there are any, per observable where the residuals differ
-// so.
+// Scatter between runs, from repetitions where there are any.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -95,23 +94,6 @@ TEST(ExcessVarianceCampaign, DISABLED_AsLargeAsTheSigmaIsCountedInTheIntervals) 
               campaigns, 100.0 * covered / (3 * campaigns));
   EXPECT_GT(counted, campaigns / 2);
   EXPECT_GT(covered, 0.86 * 3 * campaigns);
-}
-
-TEST(ExcessVarianceCampaign, DISABLED_IsOneUnlessTheObservablesDiffer) {
-  int told_apart = 0;
-  for (unsigned seed = 0; seed < 12; ++seed) {
-    std::mt19937 random(seed);
-    const FitResult result = estimate(scattered(1, 8e-5, 8e-5, random), quick());
-    EXPECT_NEAR(result.scatter, 8e-5, 5e-5);
-    EXPECT_THAT(result.covariance_meaning, HasSubstr("a scatter estimated from the residuals"));
-    told_apart += result.scatter_along != result.scatter_across;
-  }
-  EXPECT_LE(told_apart, 2);  // one in a hundred; P(> 2 of 12) = 2e-4
-  std::mt19937 random(16);
-  const FitResult result = estimate(scattered(1, 2e-5, 4e-4, random), quick());
-  EXPECT_LT(result.scatter_along, 1e-4);
-  EXPECT_NEAR(result.scatter_across, 4e-4, 2.5e-4);
-  EXPECT_THAT(result.warnings, Contains(HasSubstr("across their displacement (alpha)")));
 }
 
 }  // namespace

@@ -1,17 +1,14 @@
 // Tracks that say which of their errors neighbouring points share.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <cstdio>
 #include <random>
 
 #include "fit/campaign.h"
 #include "fit/coverage.h"
-#include "fit/dense_covariance.h"
 #include "fit/estimate.h"
 #include "fit/slow_tracks.h"
-#include "fit/tools/track_errors.h"
 #include "fit/variances/correlated_variances.h"
 #include "fit/variances/excess_variance.h"
 
@@ -37,59 +34,6 @@ Problem drawn(int runs, double rate, std::mt19937& random) {
 
 void keep_silent(Problem& problem) {
   for (TrajectoryRun& run : problem.trajectory_runs) run.track.slow.clear();
-}
-
-// Residuals and Jacobian of a track with everything told, against the dense covariance of all points.
-TEST(ToldErrors, AreWhitenedAsTheDenseCovarianceSays) {
-  const unsigned seed = 3;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  Problem problem = drawn(1, 60, random);
-  TrackTable& track = problem.trajectory_runs[0].track;
-  track.slow.push_back({0.2e-6, 5});
-  for (std::size_t i = 0; i < track.time.size(); ++i) {
-    track.shared.emplace_back(2, 3);
-    for (double& value : track.shared.back().reshaped()) value = 0.1e-6 * normal(random);
-  }
-  const Unknowns unknowns(problem);
-  Residuals residuals(unknowns);
-  const Eigen::Vector3d truth(0.1, 0.0125, 0.1);
-
-  const auto n = static_cast<Eigen::Index>(track.time.size());
-  const Eigen::MatrixXd v = test::dense_covariance(track, 1e-18);
-  // Residuals and derivatives as they are, out of differences of the points' residuals.
-  Eigen::MatrixXd data(2 * n, 4);
-  const auto plain = [&](const Eigen::Vector3d& values) {
-    const PointResiduals points = residuals.points(values, 0);
-    Eigen::VectorXd column(2 * n);
-    for (Eigen::Index i = 0; i < n; ++i)
-      column.segment<2>(2 * i) = points.residual[static_cast<std::size_t>(i)];
-    return column;
-  };
-  data.col(3) = plain(truth);
-  const auto at = residuals.at(truth), plain_at = residuals.at(truth, false);
-  ASSERT_TRUE(at && plain_at);
-  Eigen::MatrixXd jacobian = at->jacobian(3);
-  const Eigen::Vector3d step(1e-5, 1e-5, 1e-4);
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    Eigen::Vector3d above = truth, below = truth;
-    above(k) += step(k);
-    below(k) -= step(k);
-    data.col(k) = 0.5 * (plain(above) - plain(below));
-    jacobian.col(k) *= step(k);
-  }
-  const Eigen::MatrixXd start = Eigen::Matrix2d::Identity().replicate(n, 1);
-  const Eigen::LLT<Eigen::MatrixXd> factor(v);
-  const Eigen::MatrixXd v_data = factor.solve(data), crossed = start.transpose() * v_data;
-  const Eigen::MatrixXd expected =
-      data.transpose() * v_data -
-      crossed.transpose() * Eigen::MatrixXd(start.transpose() * factor.solve(start)).ldlt().solve(crossed);
-  Eigen::MatrixXd whitened(2 * n, 4);
-  whitened << jacobian, plain_at->residuals();  // steps as for the points' residuals
-  const Eigen::MatrixXd found = whitened.transpose() * whitened;
-  EXPECT_NEAR(found(3, 3), expected(3, 3), 1e-11 * expected(3, 3));
-  EXPECT_LT((found - expected).norm(), 1e-5 * expected.norm()) << found << "\n\n" << expected;  // differences
 }
 
 // What is told is not found again: neither as slow errors nor as scatter; kept silent, it is.

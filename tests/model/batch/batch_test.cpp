@@ -151,7 +151,7 @@ TEST(Batch, IsTheScalarIntegratorInEveryInstructionSet) {
       EXPECT_EQ(outcome.summary.solutions, 2 * scenarios.size());
       EXPECT_GE(static_cast<double>(outcome.summary.in_lanes),
                 share_in_lanes * static_cast<double>(outcome.summary.solutions))
-          << outcome.summary.full_report();
+          << outcome.summary.brief_report();
       EXPECT_TRUE(outcome.reasons.empty());
     }
 }
@@ -185,7 +185,6 @@ TEST(Batch, SameBitsOnAnyNumberOfThreads) {
     const auto several = solve_batch(scenarios, options);
     expect_identical(one, several);
     EXPECT_EQ(one.summary.in_lanes, several.summary.in_lanes);
-    EXPECT_EQ(one.summary.by_scalar, several.summary.by_scalar);
     EXPECT_EQ(one.summary.lane_steps, several.summary.lane_steps);
   }
 }
@@ -218,8 +217,8 @@ TEST(Batch, TolerancesAreKept) {
   }
 }
 
-/// What lanes cannot carry comes from the scalar integrator, to the bit, and is counted.
-TEST(Batch, FallsBackOnTheScalarIntegratorAndSaysWhy) {
+/// What lanes cannot carry comes from the scalar integrator, to the bit.
+TEST(Batch, FallsBackOnTheScalarIntegrator) {
   Scenario base;
   base.friction = {0.1, 0.0125, 0.5, kPi / 2, 0};
   std::vector<Scenario> scenarios(5, base);
@@ -238,14 +237,7 @@ TEST(Batch, FallsBackOnTheScalarIntegratorAndSaysWhy) {
       EXPECT_EQ(outcome.steady[k].drift, steady_orbit(scenarios[k])->drift);
     }
   }
-  const auto count = [&](ScalarReason reason) {
-    return outcome.summary.by_scalar[static_cast<std::size_t>(reason)];
-  };
-  EXPECT_EQ(count(ScalarReason::drive), 6u);
-  EXPECT_EQ(count(ScalarReason::start), 1u);
-  EXPECT_EQ(count(ScalarReason::marginal), 1u);
-  const std::string report = outcome.summary.full_report();
-  EXPECT_NE(report.find("one at a time: 6 (drive not circular)"), std::string::npos) << report;
+  EXPECT_EQ(outcome.summary.in_lanes, 2u) << "what run 3 and 4 settle into";
 }
 
 /// Without pulses the part settles on a circle; held, it stays where it is and has no direction.

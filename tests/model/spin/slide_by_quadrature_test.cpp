@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -35,20 +36,11 @@ struct Gauss {
   static constexpr int kNodes = 20;
   std::array<double, kNodes> x{}, weight{};
   Gauss() {
-    for (int i = 0; i < kNodes; ++i) {
-      double z = std::cos(pi * (i + 0.75) / (kNodes + 0.5)), slope = 1;
-      for (int k = 0; k < 50; ++k) {
-        double p0 = 1, p1 = z;
-        for (int n = 2; n <= kNodes; ++n) {
-          const double next = ((2 * n - 1) * z * p1 - (n - 1) * p0) / n;
-          p0 = p1;
-          p1 = next;
-        }
-        slope = kNodes * (z * p1 - p0) / (z * z - 1);
-        z -= p1 / slope;
-      }
-      x[static_cast<std::size_t>(i)] = (1 + z) / 2;
-      weight[static_cast<std::size_t>(i)] = 1 / ((1 - z * z) * slope * slope);
+    using Rule = boost::math::quadrature::gauss<double, kNodes>;  // its nodes above 0, on (-1, 1)
+    for (std::size_t i = 0; i < kNodes; ++i) {
+      const std::size_t k = i % (kNodes / 2);
+      x[i] = (1 + (i == k ? 1 : -1) * Rule::abscissa()[k]) / 2;
+      weight[i] = Rule::weights()[k] / 2;
     }
   }
   template <class Function>
@@ -111,10 +103,10 @@ struct WholeSlide {
 };
 
 TEST(SlideByQuadrature, ThePublishedIntegralsAreTheMeansOverTheFace) {
-  for (const double e : {0.05, 0.3, 0.9, 1.0, 1.1, 3.0, 20.0}) {
-    const test::FaceForce formula = published(e), face = test::face_force(e, 1);
+  for (const double e : {0.05, 0.3, 0.75, 1.3, 3.0, 20.0}) {
+    const test::FaceForce formula = published(e), face = test::force_by_directions(e, 1);
     EXPECT_NEAR(formula.force, face.force, 1e-12) << e;
-    EXPECT_NEAR(formula.torque, face.torque, 2e-11) << e;
+    EXPECT_NEAR(formula.torque, face.torque, 1e-12) << e;
   }
 }
 

@@ -85,7 +85,7 @@ TEST(SpinningSlide, LosesItsEnergyToFriction) {
   for (const double t : {0.05, 0.2, 0.3}) {
     const Sample s = run.at(t);
     const double u = s.velocity.norm(), w = s.spin * 0.0155, h = 1e-4;
-    const test::FaceForce face = test::face_force(u, w);
+    const test::FaceForce face = test::force_by_directions(u, w);
     EXPECT_NEAR((energy(t + h) - energy(t - h)) / (2 * h), -0.17 * 9.81 * (u * face.force + w * face.torque),
                 1e-7);
   }

@@ -97,7 +97,7 @@ TEST(Audit, ASlowPartIsAddedAndNotMultiplied) {
 TEST(Audit, WhatCannotBeToldStaysEmpty) {
   Track track = track_of(10, 1, at_rest, noise(1));
   const Audit found = audit({}, track);
-  EXPECT_FALSE(found.halves_x || found.halves_y || found.high_frequency || found.lag1);
+  EXPECT_FALSE(found.halves_x || found.halves_y || found.high_frequency);
   TrackSummary summary;
   apply(found, track, summary);
   EXPECT_EQ(track.points[3].sigma_x, kSigma);

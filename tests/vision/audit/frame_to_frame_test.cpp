@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
-
 #include "vision/audit/synthetic_track.h"
 
 namespace tribotrack::vision {
@@ -67,24 +65,6 @@ TEST(HighFrequency, SingleOutliersAndGapsDoNotMatter) {
   for (std::size_t k = 210; k < 600; ++k) track.points[k].x += 50;
   EXPECT_NEAR(high_frequency(along_x(track))->noise.value, 1, 0.2);
   EXPECT_NEAR(high_frequency(stretches(track, &TrackPoint::y, &TrackPoint::sigma_y))->noise.value, 1, 0.2);
-}
-
-/// Each error is rho times the last of its coordinate and white noise.
-std::function<double(int, std::mt19937&)> autoregression(double rho) {
-  return [rho, last = std::array<double, 2>{}](int, std::mt19937& random) mutable {
-    last = {last[1], rho * last[0] + white(random)};
-    return last[1];
-  };
-}
-
-/// The local polynomial leaves nothing of a motion of its degree, however large it is against the noise.
-TEST(Lag1, AMotionThatDifferencesOfTheOrderDoNotShowIsNoCorrelation) {
-  for (const int order : {2, 4, 6})
-    for (const double rho : {-0.4, 0.0, 0.5}) {
-      const auto motion = [order](int k) { return 1000 * std::pow(0.001 * k - 2, order); };
-      const auto found = lag1_correlation(along_x(track_of(4000, 1, motion, autoregression(rho))), order);
-      EXPECT_NEAR(found->value, rho, 0.08) << order;
-    }
 }
 
 }  // namespace

@@ -9,8 +9,6 @@
 #include <functional>
 #include <random>
 
-#include "vision/drawn_tags.h"
-
 namespace tribotrack::vision {
 namespace {
 
@@ -153,8 +151,7 @@ TEST(CalibrateCamera, ACheckerboardGivesBackCameraAndPlane) {
   EXPECT_EQ(r.pictures.size(), 7u);
   EXPECT_EQ(r.pictures[0].corners, 48);
   EXPECT_LT(r.rms_px, 0.1);
-  ASSERT_EQ(r.covariance_of.size(), static_cast<std::size_t>(r.covariance.rows()));
-  const double f_sd = std::sqrt(r.covariance(0, 0));
+  const double f_sd = r.focal_sd_px;
   EXPECT_NEAR(r.calibration.lens.fx, camera.f, 5 * f_sd);
   EXPECT_LT(f_sd, 0.01 * camera.f);
   const double error = worst_distance_error(r, camera, where[0]);
@@ -165,40 +162,6 @@ TEST(CalibrateCamera, ACheckerboardGivesBackCameraAndPlane) {
       r.calibration.mm_per_px_sd, error);
   EXPECT_LT(error, 0.02);
   EXPECT_NE(r.model, "no distortion") << "0.25 of distortion pays";
-}
-
-TEST(CalibrateCameraCampaign, DISABLED_ALensWithoutDistortionGetsNone) {
-  TrueCamera camera;
-  camera.k1 = camera.k2 = 0;
-  const Session session = photograph_all(camera, poses(4.5 * kSquare, 3.5 * kSquare), checkerboard(9, 7));
-  const CalibrationResult r = calibrate_camera(board_of(9, 7), session.plane, session.pictures);
-  EXPECT_EQ(r.model, "no distortion") << ::testing::PrintToString(r.tried);
-}
-
-TEST(CalibrateCamera, ACharucoBoardMayBeSeenInPart) {
-  const TrueCamera camera;
-  CalibrationBoard board = board_of(8, 6);
-  board.kind = CalibrationBoard::Kind::charuco;
-  board.marker_mm = 0.7 * kSquare;
-  // Its ink by OpenCV's own drawing, 60 px a square, read to the nearest: an edge of the board is where it
-  // says.
-  constexpr int per_square = 60;
-  const cv::Mat drawn =
-      drawn_charuco({8, 6}, static_cast<float>(kSquare), static_cast<float>(board.marker_mm), per_square);
-  const Ink ink = [&](double x, double y) {
-    const int i = static_cast<int>(std::floor(x / kSquare * per_square));
-    const int j = static_cast<int>(std::floor(y / kSquare * per_square));
-    if (i < 0 || j < 0 || i >= drawn.cols || j >= drawn.rows) return 210.0;
-    return drawn.at<unsigned char>(j, i) > 127 ? 210.0 : 40.0;
-  };
-  auto where = poses(4 * kSquare, 3 * kSquare);
-  for (Pose& pose : where) pose.translation.z() -= 14;  // larger than the picture
-  const Session session = photograph_all(camera, where, ink);
-  const CalibrationResult r = calibrate_camera(board, session.plane, session.pictures);
-  const double error = worst_distance_error(r, camera, where[0]);
-  std::printf("charuco: %s, rms %.4f px, %d corners in the plane's picture, distances within %.4f px\n",
-              r.model.c_str(), r.rms_px, r.pictures[0].corners, error);
-  EXPECT_LT(error, 0.1);
 }
 
 class CalibrationRefusalsCampaign : public ::testing::Test {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <vector>
 
@@ -80,39 +79,15 @@ TEST(FrameCache, NothingIsKeptOfWhatCostsNothingToReadAgain) {
   EXPECT_EQ(frames.kept_bytes(), 0);
 }
 
-TEST(FrameCache, RecordingsSideBySideShareTheFreeSpace) {
-  // A disk with 1000 bytes free, of which each byte written takes one.
-  std::int64_t written = 0;
-  CacheSpace space(
-      std::filesystem::temp_directory_path(), [&] { return 1000 - written; }, 1'000'000);
+TEST(FrameCache, WhatIsMoreThanItMayHoldIsReadFromTheSource) {
   Counting source(1);
-  {
-    std::array<FrameCache, 3> caches = {FrameCache(source, 10'000, space), FrameCache(source, 10'000, space),
-                                        FrameCache(source, 10'000, space)};
-    for (std::int64_t k = 0; k < 5; ++k)
-      for (FrameCache& frames : caches) {
-        frames.keep(k, {0, 0, 10, 10});
-        written = 0;
-        for (const FrameCache& c : caches) written += c.kept_bytes();
-        EXPECT_LE(written, 500) << "half of the free space, for all of them";
-      }
-    EXPECT_EQ(written, 500);
-  }
-  written = 0;
-  EXPECT_FALSE(space.take(501));
-  EXPECT_TRUE(space.take(500)) << "given back at the end";
-}
-
-TEST(CacheSpace, FolderOnDiskIsPreferredToOneInMemory) {
-  const std::filesystem::path memory = "/dev/shm", disk = "/var/tmp";
-  if (!is_in_memory(memory) || is_in_memory(disk)) GTEST_SKIP() << "no such folders here";
-  const std::array<std::filesystem::path, 2> both = {memory, disk};
-  EXPECT_EQ(choose_cache_folder(both), disk);
-  const std::array<std::filesystem::path, 2> missing = {memory, "/nowhere"};
-  EXPECT_EQ(choose_cache_folder(missing), memory);
-  const CacheSpace& ours = CacheSpace::of_this_process();
-  if (is_in_memory(ours.folder())) {
-    EXPECT_EQ(ours.most_bytes(), CacheSpace::kMostInMemory);
+  FrameCache frames(source, 250);
+  Picture picture;
+  for (std::int64_t k = 0; k < 5; ++k) frames.keep(k, {0, 0, 10, 10});
+  EXPECT_EQ(frames.kept_bytes(), 200);
+  for (std::int64_t k = 0; k < 5; ++k) {
+    frames.read(k, {0, 0, 10, 10}, picture);
+    expect_right(source, k, {0, 0, 10, 10}, picture);
   }
 }
 

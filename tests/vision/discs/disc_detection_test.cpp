@@ -70,28 +70,6 @@ TEST(DiscFit, RadiusSdIsRight) {
 }
 
 /// A disc followed from frame to frame is where a search of its own finds it, though the lamp flickers.
-TEST(RefitDisc, FindsWhatASearchFinds) {
-  std::mt19937 random(9);
-  const auto picture_of = [&](int frame) {
-    return test::noisy(
-        scene_with(30.3 + 0.37 * frame, 29.8 - 0.21 * frame, 20.4, 150 + 3.0 * frame, 62).render(), 2,
-        random);
-  };
-  const auto before = fit_disc(picture_of(0), {30.3, 29.8, 20.4}, 1);
-  ASSERT_TRUE(before);
-  for (int frame = 1; frame < 11; ++frame) {
-    const Picture picture = picture_of(frame);
-    const Point at{30.3 + 0.37 * frame, 29.8 - 0.21 * frame};
-    const auto searched = fit_disc(picture, {at.x, at.y, 20.4}, 1);
-    const auto followed = refit_disc(picture, *before, {at.x + 0.02, at.y - 0.03}, 1);
-    ASSERT_TRUE(searched && followed);
-    EXPECT_NEAR(followed->circle.radius, searched->circle.radius, 0.2 * searched->radius_sd);
-    EXPECT_NEAR(followed->circle.x, searched->circle.x, 0.2 * searched->centre_sd);
-    EXPECT_NEAR(followed->circle.y, searched->circle.y, 0.2 * searched->centre_sd);
-    EXPECT_NEAR(followed->radius_sd / searched->radius_sd, 1, 0.1);
-  }
-}
-
 TEST(DiscFit, DefocusIsMeasuredNotMistakenForRadius) {
   TestScene scene = scene_with(50.2, 50.9, 30, 170, 101);
   scene.blur = 3;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <vector>
 
-#include "vision/formats/cine/p10.h"
 #include "vision/recordings.h"
 
 namespace tribotrack::vision {
@@ -55,25 +54,6 @@ TEST_F(FrameSinkTest, LosslessFormsComeBackBitForBit) {
     }
 }
 
-TEST_F(FrameSinkTest, PackedTenBitsComeBackAsTheNearestLinearLevelOfTheCurve) {
-  const SinkOptions options{
-      .width = 66, .height = 47, .bits = 10, .frame_rate_hz = 5000, .exposure_s = 20e-6};
-  write_recording(file("a.cine"), options, 4);
-  const auto source = open_source(file("a.cine"));
-  EXPECT_EQ(source->info().codec, "P10");
-  EXPECT_EQ(source->info().bits, 12);
-  for (int k = 0; k < 4; ++k) {
-    const Picture read = source->read(k);
-    for (int y = 0; y < options.height; ++y)
-      for (int x = 0; x < options.width; ++x) {
-        const double written = 4.0 * test_level(k, x, y, 10);
-        double nearest = 1e9;
-        for (const int level : p10_linear_levels) nearest = std::min(nearest, std::abs(level - written));
-        ASSERT_EQ(std::abs(read.at(x, y) - written), nearest);
-      }
-  }
-}
-
 TEST_F(FrameSinkTest, LossyFormsComeBackClose) {
   // Smooth pictures: noise is what such codings throw away.
   for (const char* name : {"a.avi", "b.mp4"}) {
@@ -114,14 +94,6 @@ TEST_F(FrameSinkTest, CaptureRatesSurviveTheirContainers) {
       EXPECT_NEAR(*base.rate_hz / rate, 1, 1e-6) << name;
       EXPECT_NEAR(source->time_s(39), 39 / rate, 1e-6 / rate + 2e-9) << name;
     }
-}
-
-TEST_F(FrameSinkTest, CineStampsAndExposure) {
-  write_recording(file("a.cine"), {.width = 8, .height = 8, .frame_rate_hz = 1234.5, .exposure_s = 37e-6},
-                  50);
-  const auto source = open_source(file("a.cine"));
-  for (int k = 0; k < 50; ++k) EXPECT_NEAR(source->time_s(k), k / 1234.5, 0.5e-9);
-  EXPECT_NEAR(*source->info().exposure_s, 37e-6, 1e-9);
 }
 
 TEST_F(FrameSinkTest, MoreImagesThanTheRoomLeftForTheirTables) {
@@ -179,7 +151,7 @@ TEST_F(FrameSinkTest, LevelsAreRoundedAndClipped) {
 TEST_F(FrameSinkTest, OverlaysInColour) {
   std::vector<unsigned char> rgb(32 * 24 * 3);
   for (std::size_t i = 0; i < rgb.size(); i += 3) rgb[i] = 200, rgb[i + 1] = 100, rgb[i + 2] = 50;
-  for (const char* name : {"a.mp4", "a.avi", "a%d.png", "single.png"}) {
+  for (const char* name : {"a.mp4", "a.avi"}) {
     const auto sink = create_sink(file(name), {.width = 32, .height = 24, .frame_rate_hz = 25});
     sink->write_rgb(32, 24, rgb.data());
     sink->close();
@@ -205,7 +177,7 @@ TEST_F(FrameSinkTest, WhatCannotBeWrittenIsSaidAtOnce) {
     EXPECT_THAT(refusal(file(name), {.width = 8, .height = 8}), HasSubstr("cannot be written")) << name;
   EXPECT_THAT(refusal(file("a.xyz"), {.width = 8, .height = 8}), HasSubstr(".cine"));
   EXPECT_THAT(refusal(file("a.mp4"), {.width = 8, .height = 8, .bits = 12}), HasSubstr("12 bits"));
-  EXPECT_THAT(refusal(file("a.cine"), {.width = 8, .height = 8, .bits = 9}), HasSubstr("9 bits"));
+  EXPECT_THAT(refusal(file("a.cine"), {.width = 8, .height = 8, .bits = 10}), HasSubstr("10 bits"));
   EXPECT_THAT(refusal(file("a.cine"), {.width = 0, .height = 8}), HasSubstr("0 x 8"));
   EXPECT_THAT(refusal(file("a.cine"), {.width = 8, .height = 8, .frame_rate_hz = 0}),
               HasSubstr("frame rate"));

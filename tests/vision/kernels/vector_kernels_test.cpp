@@ -1,11 +1,10 @@
-// Every instruction set gives what the formulas of the headers give, summed slowly in double precision.
+// The vector arithmetic gives what the formulas of the headers give, summed slowly in double precision.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
 #include "vision/kernels/bspline.h"
-#include "vision/kernels/spline_kernels.h"
 #include "vision/kernels/tile_kernels.h"
 #include "vision/layers/registration/kernels.h"
 
@@ -55,9 +54,6 @@ TEST(VectorKernels, SumsOverTiles) {
   std::array<SlowSum, 5> force;
   std::array<SlowSum, 15> normal;
   std::array<std::array<SlowSum, 5>, kTiles> scores;
-  std::vector<float> sizes(kCount);
-  constexpr float small = 20;
-  ResidualCounts counts;
   SlowSum squares, weight, vl, ll;
   double largest = 0;
   for (std::size_t i = 0; i < kCount; ++i) {
@@ -72,37 +68,21 @@ TEST(VectorKernels, SumsOverTiles) {
     weight.add(w);
     vl.add(w * a.value[i] * a.level[i]);
     ll.add(w * a.level[i] * a.level[i]);
-    if (w > 0) {
-      largest = std::max(largest, std::abs(r));
-      sizes[i] = static_cast<float>(std::abs(r));
-      ++counts.counted;
-      counts.small += std::abs(r) <= small;
-    }
+    if (w > 0) largest = std::max(largest, std::abs(r));
   }
-  for (const TileKernels& kernels : all_tile_kernels()) {
-    SCOPED_TRACE(kernels.name);
-    const ForceSums f = kernels.force(a, gain, offset);
-    for (std::size_t j = 0; j < 5; ++j) force[j].expect(f.force[j], "force", j);
-    squares.expect(f.squares, "squares");
-    weight.expect(f.weight, "weight");
-    EXPECT_NEAR(f.largest, largest, 1e-4);
-    const NormalSums n = kernels.normal(a);
-    for (std::size_t j = 0; j < 15; ++j) normal[j].expect(n[j], "normal", j);
-    const CorrelationSums c = kernels.correlation(a, a.weight);
-    vl.expect(c.vl, "vl");
-    ll.expect(c.ll, "ll");
-    std::vector<float> found(kCount, -1);
-    const ResidualCounts told = kernels.residuals(a, a.weight, gain, offset, small, found);
-    EXPECT_EQ(told.counted, counts.counted);
-    EXPECT_EQ(told.small, counts.small);
-    for (std::size_t i = 0; i < kCount; ++i) EXPECT_NEAR(found[i], sizes[i], 1e-4) << i;
-    std::vector<unsigned char> marks(kCount, 2);
-    kernels.mark(found, small, marks);
-    for (std::size_t i = 0; i < kCount; ++i) EXPECT_EQ(marks[i], found[i] > small ? 1 : 0) << i;
-    std::vector<std::array<double, 5>> of_tiles(kTiles);
-    kernels.scores(a, gain, offset, of_tiles);
-    for (std::size_t t = 0; t < kTiles; ++t)
-      for (std::size_t j = 0; j < 5; ++j) scores[t][j].expect(of_tiles[t][j], "score", 5 * t + j);
+  const ForceSums f = force_sums(a, gain, offset);
+  for (std::size_t j = 0; j < 5; ++j) force[j].expect(f.force[j], "force", j);
+  squares.expect(f.squares, "squares");
+  weight.expect(f.weight, "weight");
+  EXPECT_NEAR(f.largest, largest, 1e-4);
+  const NormalSums n = normal_sums(a);
+  for (std::size_t j = 0; j < 15; ++j) normal[j].expect(n[j], "normal", j);
+  const CorrelationSums c = correlation_sums(a, a.weight);
+  vl.expect(c.vl, "vl");
+  ll.expect(c.ll, "ll");
+  for (std::size_t t = 0; t < kTiles; ++t) {
+    const ForceSums of_tile = force_sums(a, gain, offset, t, t + 1);
+    for (std::size_t j = 0; j < 5; ++j) scores[t][j].expect(of_tile.force[j], "score", 5 * t + j);
   }
 }
 
@@ -129,98 +109,57 @@ TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
   std::vector<float> mask(kCount, 1);
   for (std::size_t i = 0; i < kCount; i += 5) mask[i] = 0;
   const LayerLight light{1.05, 1e-3, -2e-3, 0.97, 0.8, 70};
-  for (const LayerKernels& kernels : all_layer_kernels()) {
-    SCOPED_TRACE(kernels.name);
-    LayerArrays formed = a;
-    const LayerNormal normal = kernels.form(formed, mask, light);
-    const LayerForce force = kernels.force(formed, light);
-    std::array<SlowSum, std::tuple_size_v<LayerNormal>> slow_normal;
-    std::array<SlowSum, kLayerColumns> slow_force;
-    SlowSum squares;
-    std::vector<std::array<SlowSum, kLayerColumns>> slow_scores(kTiles);
-    for (std::size_t i = 0; i < kCount; ++i) {
-      const double w = formed.weight[i];
-      const double through = light.ground * double{a.share.value[i]};
-      const double variance = a.variance[i] + through * through * double{a.ground_variance[i]};
-      EXPECT_NEAR(w, mask[i] / variance, 1e-5 * w) << i;
-      const double here = light.gain + light.slope_x * a.u[i] + light.slope_y * a.v[i];
-      const double s = a.part.value[i];
-      const double blended = light.blend * (double{a.share.slope_x[i]} * a.ground.slope_x[i] +
-                                            double{a.share.slope_y[i]} * a.ground.slope_y[i]);
-      const double ground = a.share.value[i] * (light.mean + a.ground.value[i]) + blended;
-      const double own = s - light.mean * a.share.value[i];
-      const double r = a.level[i] - here * own - light.ground * ground;
-      // step: M moves with the part's centre, the platform stays.
-      EXPECT_NEAR(
-          formed.step_x[i],
-          -here * a.part.slope_x[i] - (light.ground * (light.mean + a.ground.value[i]) - light.mean * here) *
-                                          double{a.share.slope_x[i]},
-          1e-4 * (1 + std::abs(formed.step_x[i])))
-          << i;
-      const std::array<double, kLayerColumns> jacobian = {formed.step_x[i], formed.step_y[i], own,
-                                                          own * a.u[i],     own * a.v[i],     ground};
-      for (int j = 0, at = 0; j < kLayerColumns; ++j) {
-        const auto sj = static_cast<std::size_t>(j);
-        slow_force[sj].add(w * jacobian[sj] * r);
-        for (int k = j; k < kLayerColumns; ++k, ++at)
-          slow_normal[static_cast<std::size_t>(at)].add(w * jacobian[sj] *
-                                                        jacobian[static_cast<std::size_t>(k)]);
-      }
-      squares.add(w * r * r);
-      for (std::size_t j = 0; j < jacobian.size(); ++j)
-        slow_scores[i / kTilePixels][j].add(w * jacobian[j] * r);
-    }
+  LayerArrays formed = a;
+  const LayerNormal normal = form_normal(formed, mask, light);
+  const LayerForce force = layer_force(formed, light, 0, kTiles);
+  std::array<SlowSum, std::tuple_size_v<LayerNormal>> slow_normal;
+  std::array<SlowSum, kLayerColumns> slow_force;
+  SlowSum squares;
+  std::vector<std::array<SlowSum, kLayerColumns>> slow_scores(kTiles);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const double w = formed.weight[i];
+    const double through = light.ground * double{a.share.value[i]};
+    const double variance = a.variance[i] + through * through * double{a.ground_variance[i]};
+    EXPECT_NEAR(w, mask[i] / variance, 1e-5 * w) << i;
+    const double here = light.gain + light.slope_x * a.u[i] + light.slope_y * a.v[i];
+    const double s = a.part.value[i];
+    const double blended = light.blend * (double{a.share.slope_x[i]} * a.ground.slope_x[i] +
+                                          double{a.share.slope_y[i]} * a.ground.slope_y[i]);
+    const double ground = a.share.value[i] * (light.mean + a.ground.value[i]) + blended;
+    const double own = s - light.mean * a.share.value[i];
+    const double r = a.level[i] - here * own - light.ground * ground;
+    // step: M moves with the part's centre, the platform stays.
+    EXPECT_NEAR(
+        formed.step_x[i],
+        -here * a.part.slope_x[i] - (light.ground * (light.mean + a.ground.value[i]) - light.mean * here) *
+                                        double{a.share.slope_x[i]},
+        1e-4 * (1 + std::abs(formed.step_x[i])))
+        << i;
+    const std::array<double, kLayerColumns> jacobian = {formed.step_x[i], formed.step_y[i], own,
+                                                        own * a.u[i],     own * a.v[i],     ground};
     for (int j = 0, at = 0; j < kLayerColumns; ++j) {
-      slow_force[static_cast<std::size_t>(j)].expect(force.force[static_cast<std::size_t>(j)], "force",
-                                                     static_cast<std::size_t>(j));
+      const auto sj = static_cast<std::size_t>(j);
+      slow_force[sj].add(w * jacobian[sj] * r);
       for (int k = j; k < kLayerColumns; ++k, ++at)
-        slow_normal[static_cast<std::size_t>(at)].expect(normal[static_cast<std::size_t>(at)], "normal",
-                                                         static_cast<std::size_t>(at));
+        slow_normal[static_cast<std::size_t>(at)].add(w * jacobian[sj] *
+                                                      jacobian[static_cast<std::size_t>(k)]);
     }
-    squares.expect(force.squares, "squares");
-    TileScores scores;
-    kernels.scores(formed, light, scores);
-    for (std::size_t t = 0; t < kTiles; ++t)
-      for (std::size_t j = 0; j < kLayerColumns; ++j)
-        slow_scores[t][j].expect(static_cast<double>(scores[t][j]), "score", kLayerColumns * t + j);
+    squares.add(w * r * r);
+    for (std::size_t j = 0; j < jacobian.size(); ++j)
+      slow_scores[i / kTilePixels][j].add(w * jacobian[j] * r);
   }
-}
-
-TEST(VectorKernels, SplineWindowsAreSeparableSums) {
-  std::mt19937 random(7);
-  constexpr int kWidth = 21, kHeight = 11, kStride = kWidth + 5;
-  const std::vector<float> coefficients = draw(random, 50, 40, kStride * (kHeight + 5));
-  SplineTaps taps;
-  const auto fill = [&](std::array<float, 6>& to, double mean) {
-    const auto values = draw(random, mean, 0.3, 6);
-    std::copy(values.begin(), values.end(), to.begin());
-  };
-  fill(taps.weight_x, 1.0 / 6);
-  fill(taps.weight_y, 1.0 / 6);
-  fill(taps.slope_x, 0);
-  fill(taps.slope_y, 0);
-  for (const SplineKernels& kernels : all_spline_kernels()) {
-    SCOPED_TRACE(kernels.name);
-    std::vector<float> scratch, value(kWidth * kHeight), slope_x(value), slope_y(value);
-    // The six coefficients about a place begin two before its cell.
-    kernels.window(coefficients.data() + 2 * kStride + 2, kStride, taps, kWidth, kHeight, scratch,
-                   value.data(), slope_x.data(), slope_y.data());
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x) {
-        SlowSum v, sx, sy;
-        for (std::size_t j = 0; j < 6; ++j)
-          for (std::size_t i = 0; i < 6; ++i) {
-            const double c =
-                coefficients[(static_cast<std::size_t>(y) + j) * kStride + static_cast<std::size_t>(x) + i];
-            v.add(c * taps.weight_x[i] * taps.weight_y[j]);
-            sx.add(c * taps.slope_x[i] * taps.weight_y[j]);
-            sy.add(c * taps.weight_x[i] * taps.slope_y[j]);
-          }
-        const auto at = static_cast<std::size_t>(y * kWidth + x);
-        v.expect(value[at], "value", at);
-        sx.expect(slope_x[at], "slope_x", at);
-        sy.expect(slope_y[at], "slope_y", at);
-      }
+  for (int j = 0, at = 0; j < kLayerColumns; ++j) {
+    slow_force[static_cast<std::size_t>(j)].expect(force.force[static_cast<std::size_t>(j)], "force",
+                                                   static_cast<std::size_t>(j));
+    for (int k = j; k < kLayerColumns; ++k, ++at)
+      slow_normal[static_cast<std::size_t>(at)].expect(normal[static_cast<std::size_t>(at)], "normal",
+                                                       static_cast<std::size_t>(at));
+  }
+  squares.expect(force.squares, "squares");
+  for (std::size_t t = 0; t < kTiles; ++t) {
+    const LayerForce of_tile = layer_force(formed, light, t, t + 1);
+    for (std::size_t j = 0; j < kLayerColumns; ++j)
+      slow_scores[t][j].expect(of_tile.force[j], "score", kLayerColumns * t + j);
   }
 }
 
@@ -235,23 +174,18 @@ TEST(VectorKernels, SplineAtAnyPlaceIsTheSplineItself) {
   y = draw(random, 0.5 * kHeight, 0.5 * kHeight + 8, 500);
   x[0] = y[0] = 7;  // whole
   x[1] = -0.25F;
-  for (const SplineKernels& kernels : all_spline_kernels()) {
-    SCOPED_TRACE(kernels.name);
-    std::vector<float> value(x.size()), slope_x(x), slope_y(x), alone(x);
-    const SplinePlaces places{
-        spline.coefficient(0, 0), spline.stride(), kWidth, kHeight, x.data(), y.data(), x.size()};
-    kernels.at(places, value.data(), slope_x.data(), slope_y.data());
-    kernels.at(places, alone.data(), nullptr, nullptr);
-    for (std::size_t k = 0; k < x.size(); ++k) {
-      const bool clamped = x[k] < -5 || y[k] < -5 || x[k] > kWidth + 3.9F || y[k] > kHeight + 3.9F;
-      const SplineSample slow = spline.sample(x[k], y[k]);
-      // Beyond the border the spline still has its slope where the place is held at 4 - 0.01 or 0.001 px.
-      EXPECT_NEAR(value[k], slow.value, clamped ? 1.0 : 2e-3) << x[k] << ' ' << y[k];
-      EXPECT_EQ(alone[k], value[k]);
-      if (clamped) continue;
-      EXPECT_NEAR(slope_x[k], slow.slope_x, 2e-3) << x[k] << ' ' << y[k];
-      EXPECT_NEAR(slope_y[k], slow.slope_y, 2e-3) << x[k] << ' ' << y[k];
-    }
+  std::vector<float> value(x.size()), slope_x(x), slope_y(x), alone(x);
+  spline.sample_places(x, y, value.data(), slope_x.data(), slope_y.data());
+  spline.sample_places(x, y, alone.data(), nullptr, nullptr);
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const bool clamped = x[k] < -5 || y[k] < -5 || x[k] > kWidth + 3.9F || y[k] > kHeight + 3.9F;
+    const SplineSample slow = spline.sample(x[k], y[k]);
+    // Beyond the border the spline still has its slope where the place is held at 4 - 0.01 or 0.001 px.
+    EXPECT_NEAR(value[k], slow.value, clamped ? 1.0 : 2e-3) << x[k] << ' ' << y[k];
+    EXPECT_EQ(alone[k], value[k]);
+    if (clamped) continue;
+    EXPECT_NEAR(slope_x[k], slow.slope_x, 2e-3) << x[k] << ' ' << y[k];
+    EXPECT_NEAR(slope_y[k], slow.slope_y, 2e-3) << x[k] << ' ' << y[k];
   }
 }
 

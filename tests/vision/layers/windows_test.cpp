@@ -15,13 +15,13 @@ TEST(LearningFrames, FitIntoMemory) {
     frames[k].centre = {30 + static_cast<double>(k) / 3, 45};
   }
   MemorySource source({Picture(1200, 1200)}, 500);
-  LayeredOptions options;
-  options.noise_variance = 0.1;
-  options.total = 300;
+  FirstPassResult first;
+  first.noise_variance = 0.1;
+  first.total = 300;
   constexpr double kPad = QuinticSpline::kPad;
   double before = 129;
   for (const double reach : {30.0, 200.0, 300.0, 500.0}) {
-    const LearningFrames learning(source, frames, options, reach, reach);
+    const LearningFrames learning(source, frames, first, reach, reach);
     // A window and its spline, and the ground's pictures. Sixteen windows are kept whatever they take.
     const double window = 4 * (std::pow(2 * reach + 1, 2) + std::pow(2 * reach + 1 + 2 * kPad, 2));
     const double ground = 40.0 * learning.region().width * learning.region().height;

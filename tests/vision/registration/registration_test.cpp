@@ -162,9 +162,9 @@ TEST(Registration, RotationIsFoundWithItsSense) {
     EXPECT_NEAR(r.pose.dx, 0.37, 4e-3);
     EXPECT_NEAR(r.pose.dy, 0.81, 4e-3);
   }
-  const Picture turned = registration.turned(std::numbers::pi / 2);
+  const Picture turned = registration.at({0, 0, std::numbers::pi / 2}, registration.pattern().window);
   // A quarter turn counter-clockwise takes the right-hand side to the top.
-  const Picture straight = registration.turned(0);
+  const Picture straight = registration.at({}, registration.pattern().window);
   const int middle = (turned.width() - 1) / 2;
   for (int k = -8; k <= 8; ++k)
     EXPECT_NEAR(turned.at(middle + 2, middle - k), straight.at(middle + k, middle + 2), 1e-2);

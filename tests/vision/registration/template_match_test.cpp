@@ -69,20 +69,6 @@ TEST(TemplateMatcher, ScoreIsTheDefinition) {
   }
 }
 
-TEST(TemplateMatcher, BestIsTheBestOfAllPlaces) {
-  const Picture picture = random_picture(60, 50, 5);
-  const MaskedTemplate t = cut(random_picture(60, 50, 6), 8, 9, 15, true);
-  const TemplateMatcher matcher(t);
-  Match slow;
-  for (int y = 4; y <= 30; ++y)
-    for (int x = 3; x <= 40; ++x)
-      if (const double ncc = slow_zncc(t, picture, x, y); ncc > slow.ncc) slow = {x, y, ncc};
-  const Match best = matcher.best(picture, 3, 4, 40, 30);
-  EXPECT_EQ(best.x, slow.x);
-  EXPECT_EQ(best.y, slow.y);
-  EXPECT_NEAR(best.ncc, slow.ncc, 2e-6);
-}
-
 TEST(TemplateMatcher, SearchFindsEveryCopyInTheWholePicture) {
   for (const double radius : {9.0, 20.0, 45.0}) {
     SCOPED_TRACE(testing::Message() << "radius " << radius);

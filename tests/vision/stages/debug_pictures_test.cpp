@@ -23,9 +23,7 @@ class Shown : public DebugSink {
     const std::string at = picture.frame ? "@" + std::to_string(*picture.frame) : "";
     EXPECT_TRUE(pictures.emplace(picture.name + at, picture).second) << picture.name << at << " shown twice";
   }
-  void show(const StageCurve& curve) override { curves.emplace(curve.name, curve); }
   std::map<std::string, StagePicture> pictures;
-  std::map<std::string, StageCurve> curves;
 };
 
 /// A scene tracked, and what was shown of it.

@@ -7,7 +7,6 @@
 #include <random>
 
 #include "vision/analytic_scene.h"
-#include "vision/overlay.h"
 #include "vision/survey/lamps.h"
 
 namespace tribotrack::vision {
@@ -120,20 +119,6 @@ TEST(Survey, OneFrameIsLookedAt) {
   ASSERT_EQ(seen.discs.size(), 3U);
   EXPECT_EQ(seen.frames_looked_at, 1);
   expect_circle(seen.part()->circle, 63, 100, 22);
-}
-
-TEST(Survey, ItsPictureIsTheEnlargedFrameInColour) {
-  Bench bench;
-  bench.lamp = true;
-  test::RenderedSource source(240, 160, 30, [&](std::int64_t k) { return bench.at(k); });
-  const auto png = survey_png(source, survey(source));
-  ASSERT_GT(png.size(), 24U);
-  const auto number = [&](std::size_t at) {
-    return png[at] << 24 | png[at + 1] << 16 | png[at + 2] << 8 | png[at + 3];
-  };
-  EXPECT_EQ(number(16), 4 * 240);
-  EXPECT_EQ(number(20), 4 * 160);
-  EXPECT_EQ(png[25], 2) << "true colour";
 }
 
 // Evenly spaced frames would see a lamp of the same period always lit, or never.

@@ -42,7 +42,7 @@ TEST(PlatformTexture, HasTheNominalMeanSquare) {
   int n = 0;
   for (double y = 0; y < 3000; y += 7.3) {
     for (double x = 0; x < 3000; x += 7.1, ++n) {
-      const double b = texture.at(x, y);
+      const double b = test::texture_at(texture, x, y);
       sum += b;
       sum2 += b * b;
     }
@@ -76,9 +76,9 @@ TEST(PlatformTexture, CorrelatesAlongAndAcrossTheBrushAsAsked) {
 TEST(PlatformTexture, IsFlatWithoutRoughnessAndFollowsTheSeed) {
   PlatformAppearance flat = brushed();
   flat.texture_rms = 0;
-  EXPECT_EQ(PlatformTexture(flat, 1).at(3, 4), 0);
-  EXPECT_EQ(PlatformTexture(brushed(), 1).at(3, 4), PlatformTexture(brushed(), 1).at(3, 4));
-  EXPECT_NE(PlatformTexture(brushed(), 1).at(3, 4), PlatformTexture(brushed(), 2).at(3, 4));
+  EXPECT_EQ(test::texture_at({flat, 1}, 3, 4), 0);
+  EXPECT_EQ(test::texture_at({brushed(), 1}, 3, 4), test::texture_at({brushed(), 1}, 3, 4));
+  EXPECT_NE(test::texture_at({brushed(), 1}, 3, 4), test::texture_at({brushed(), 2}, 3, 4));
 }
 
 }  // namespace

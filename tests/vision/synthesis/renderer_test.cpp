@@ -45,7 +45,7 @@ class BruteForce {
     double level = scene_.platform.level;
     const double alpha =
         scene_.disc.visible ? edge(x - pose.disc.x, y - pose.disc.y, scene_.disc.radius_px) : 0;
-    if (alpha < 1 - 1e-7) level += texture_.at(x - pose.platform.x, y - pose.platform.y);
+    if (alpha < 1 - 1e-7) level += test::texture_at(texture_, x - pose.platform.x, y - pose.platform.y);
     if (scene_.marker) {
       const double dx = x - scene_.marker->position.x - pose.platform.x;
       const double dy = y - scene_.marker->position.y - pose.platform.y;

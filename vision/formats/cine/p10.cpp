@@ -116,25 +116,4 @@ void unpack_p12l(std::span<const std::uint8_t> packed, std::size_t first, std::s
   }
 }
 
-std::uint16_t p10_code(double linear_12bit) {
-  const auto above = std::lower_bound(p10_linear_levels.begin(), p10_linear_levels.end(), linear_12bit);
-  if (above == p10_linear_levels.begin()) return 0;
-  const auto below = above == p10_linear_levels.end() || *above - linear_12bit > linear_12bit - *(above - 1)
-                         ? above - 1
-                         : above;
-  return static_cast<std::uint16_t>(
-      std::lower_bound(p10_linear_levels.begin(), p10_linear_levels.end(), *below) -
-      p10_linear_levels.begin());
-}
-
-void pack_p10(std::span<const std::uint16_t> codes, std::span<std::uint8_t> packed) {
-  std::fill(packed.begin(), packed.end(), std::uint8_t{0});
-  for (std::size_t i = 0; i < codes.size(); ++i) {
-    const std::size_t bit = i * 10;
-    const auto pair = static_cast<std::uint32_t>(codes[i] & code_mask) << (6 - bit % 8);
-    packed[bit / 8] = static_cast<std::uint8_t>(packed[bit / 8] | pair >> 8);
-    packed[bit / 8 + 1] = static_cast<std::uint8_t>(packed[bit / 8 + 1] | (pair & 0xFF));
-  }
-}
-
 }  // namespace tribotrack::vision

@@ -21,13 +21,6 @@ constexpr std::size_t p12l_bytes(std::size_t pixels) {
 void unpack_p10(std::span<const std::uint8_t> packed, std::size_t first, std::span<float> levels);
 void unpack_p12l(std::span<const std::uint8_t> packed, std::size_t first, std::span<float> levels);
 
-/// The code whose linear level is nearest to a 12-bit linear one (the lowest such code): the inverse of the
-/// companding curve.
-std::uint16_t p10_code(double linear_12bit);
-
-/// Packs 10-bit codes; `packed` must have p10_bytes(codes.size()) bytes.
-void pack_p10(std::span<const std::uint16_t> codes, std::span<std::uint8_t> packed);
-
 // The companding curve of packed 10-bit Phantom recordings.
 
 /// 12-bit linear level of each of the 1024 codes. The codes follow about the square root of the light, so

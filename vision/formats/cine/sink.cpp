@@ -9,7 +9,6 @@
 
 #include "vision/formats/cine/header.h"
 #include "vision/formats/cine/layout.h"
-#include "vision/formats/cine/p10.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
 #include "vision/temporary_file.h"
@@ -38,16 +37,11 @@ class CineSink : public FrameSink {
       : options_(options),
         temporary_(path),
         file_(temporary_.path(), std::ios::binary | std::ios::in | std::ios::out) {
-    if (options.bits != 8 && options.bits != 10 && options.bits != 12)
+    if (options.bits != 8 && options.bits != 12)
       throw InputError(in_quotes(path) + " cannot hold " + std::to_string(options.bits) +
-                       " bits: a .cine is written with 8, 10 or 12");
-    if (options.bits == 10)
-      for (std::size_t level = 0; level < codes_.size(); ++level)
-        codes_[level] = p10_code(4.0 * static_cast<double>(level));
-    const auto pixels = static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
+                       " bits: a .cine is written with 8 or 12; .mkv takes 10");
     row_bytes_ = (static_cast<std::size_t>(options.width) * (options.bits == 8 ? 1 : 2) + 3) / 4 * 4;
-    image_bytes_ =
-        options.bits == 10 ? p10_bytes(pixels) : row_bytes_ * static_cast<std::size_t>(options.height);
+    image_bytes_ = row_bytes_ * static_cast<std::size_t>(options.height);
     stored_.resize(annotation_bytes + image_bytes_);
     store<std::uint32_t>(stored_, 0, annotation_bytes);
     store(stored_, 4, static_cast<std::uint32_t>(image_bytes_));
@@ -57,18 +51,12 @@ class CineSink : public FrameSink {
 
   void write(const Picture& picture) override {
     require_size(options_, picture.width(), picture.height());
-    const std::span<std::uint8_t> pixels = std::span(stored_).subspan(annotation_bytes);
-    if (options_.bits == 10)
-      store_packed(picture, pixels);
-    else
-      store_rows(picture, pixels);
+    for (int y = 0; y < options_.height; ++y)
+      store_levels(picture.row(options_.height - 1 - y), options_.bits,
+                   stored_.data() + annotation_bytes + static_cast<std::size_t>(y) * row_bytes_);
     file_.write(reinterpret_cast<const char*>(stored_.data()), static_cast<std::streamsize>(stored_.size()));
     require_written();
     ++count_;
-  }
-
-  void write_rgb(int, int, const unsigned char*) override {
-    throw InputError(in_quotes(temporary_.target()) + " cannot hold colour: choose .mp4, .avi or .png");
   }
 
   void close() override {
@@ -86,26 +74,6 @@ class CineSink : public FrameSink {
  private:
   void require_written() const {
     if (!file_) temporary_.refuse(std::strerror(errno != 0 ? errno : ENOSPC));
-  }
-
-  void store_rows(const Picture& picture, std::span<std::uint8_t> pixels) const {
-    const float largest = largest_level(options_.bits);
-    for (int y = 0; y < options_.height; ++y) {
-      std::uint8_t* stored = pixels.data() + static_cast<std::size_t>(options_.height - 1 - y) * row_bytes_;
-      for (const float level : picture.row(y)) {
-        const std::uint16_t whole = whole_level(level, largest);
-        *stored++ = static_cast<std::uint8_t>(whole & 0xFF);
-        if (options_.bits > 8) *stored++ = static_cast<std::uint8_t>(whole >> 8);
-      }
-    }
-  }
-
-  void store_packed(const Picture& picture, std::span<std::uint8_t> pixels) {
-    const float largest = largest_level(options_.bits);
-    packed_codes_.resize(picture.levels().size());
-    std::transform(picture.levels().begin(), picture.levels().end(), packed_codes_.begin(),
-                   [&](float level) { return codes_[whole_level(level, largest)]; });
-    pack_p10(packed_codes_, pixels);
   }
 
   /// Makes room for longer tables: images move towards the end, the last first.
@@ -177,7 +145,7 @@ class CineSink : public FrameSink {
     store<std::int32_t>(bitmap, at::bitmap_height, options_.height);
     store<std::uint16_t>(bitmap, at::bitmap_planes, 1);
     store<std::uint16_t>(bitmap, at::bitmap_bits, options_.bits == 8 ? 8 : 16);
-    store<std::uint32_t>(bitmap, at::bitmap_packing, options_.bits == 10 ? at::packed_10 : at::unpacked);
+    store<std::uint32_t>(bitmap, at::bitmap_packing, at::unpacked);
     store(bitmap, at::bitmap_image_bytes, static_cast<std::uint32_t>(image_bytes_));
     store(bitmap, at::bitmap_pels_per_metre, pels_per_metre);
     store(bitmap, at::bitmap_pels_per_metre + 4, pels_per_metre);
@@ -204,7 +172,6 @@ class CineSink : public FrameSink {
   TemporaryFile temporary_;
   std::fstream file_;
   Buffer stored_;
-  std::vector<std::uint16_t> codes_ = std::vector<std::uint16_t>(1024), packed_codes_;
   std::size_t row_bytes_ = 0, image_bytes_ = 0, count_ = 0;
   std::uint64_t first_image_ = 0;
 };

@@ -7,10 +7,8 @@
 
 namespace tribotrack::vision {
 
-/// Version 1 (64-bit offsets), laid out as real cameras do: 8 bit and 12 in 16 bottom-up, 10 bit as P10. A
-/// 10-bit linear level L is stored as the code nearest to the 12-bit level 4 L, so that reading gives 4 L
-/// with the companding's rounding. Images are numbered from 0, stamped k / rate after a fixed date, so that
-/// the same frames give the same bytes.
+/// Version 1 (64-bit offsets), laid out as real cameras do: 8 bit and 12 in 16 bottom-up. Images are numbered
+/// from 0, stamped k / rate after a fixed date, so that the same frames give the same bytes.
 std::unique_ptr<FrameSink> create_cine_sink(const std::filesystem::path& path, const SinkOptions& options);
 
 }  // namespace tribotrack::vision

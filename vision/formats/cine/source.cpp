@@ -77,14 +77,12 @@ TimeBaseCandidate rate_of(const CineHeader& header) {
   return {"cine header", 0, false, "its rate fields are 0"};
 }
 
-constexpr int kAhead = 8;               ///< rows that are fetched before they are used
-constexpr std::size_t kCacheLine = 64;  ///< bytes
-constexpr double kClockTick = 1e-6;     ///< s, the coarsest clock seen in a camera
+constexpr double kClockTick = 1e-6;  ///< s, the coarsest clock seen in a camera
 
 class CineSource : public FrameSource {
  public:
   CineSource(const std::filesystem::path& path, const SourceOptions& options)
-      : file_(path), header_(read_cine_header(file_)), pixels_at_(header_.image_offsets.size()) {
+      : file_(path), header_(read_cine_header(file_)) {
     info_.path = path;
     info_.format = "cine";
     info_.codec = codec_name(header_);
@@ -120,11 +118,7 @@ class CineSource : public FrameSource {
     prepare_window(info_, index, window, picture);
     file_.require_unshrunk();
     const std::span<const std::uint8_t> pixels = image(index);
-    const bool in_rows = header_.pixels != CinePixels::p10 && header_.pixels != CinePixels::p12l;
-    for (int y = 0; y < window.height; ++y) {
-      if (in_rows && y + kAhead < window.height) fetch_row(pixels, window, window.y + y + kAhead);
-      read_row(pixels, window.x, window.y + y, picture.row(y));
-    }
+    for (int y = 0; y < window.height; ++y) read_row(pixels, window.x, window.y + y, picture.row(y));
     file_.require_unshrunk();
   }
 
@@ -146,36 +140,22 @@ class CineSource : public FrameSource {
     if (!options.frame_rate_hz) move_to_mid_exposure(info_.time_base.stamps_s, header_.exposures_s);
   }
 
-  /// The pixels of an image, behind its annotation, whose last word repeats their size: looked at once.
-  std::span<const std::uint8_t> image(std::int64_t index) {
+  /// The pixels of an image, behind its annotation, whose last word repeats their size.
+  std::span<const std::uint8_t> image(std::int64_t index) const {
     const std::string what = "image " + std::to_string(number(index));
-    std::uint64_t& pixels = pixels_at_[static_cast<std::size_t>(index)];
-    if (pixels == 0) {
-      const std::uint64_t offset = header_.image_offsets[static_cast<std::size_t>(index)];
-      const std::uint64_t room = header_.image_rooms[static_cast<std::size_t>(index)];
-      const auto annotation = load<std::uint32_t>(file_.bytes_unasked(offset, 8, what), 0);
-      if (annotation < 8 || annotation > room - header_.image_bytes)
-        throw InputError(in_quotes(info_.path) + " is damaged: the annotation of " + what + " claims " +
-                         std::to_string(annotation) + " bytes, where 8 to " +
-                         std::to_string(room - header_.image_bytes) + " have room; copy the recording again");
-      const auto size = load<std::uint32_t>(file_.bytes_unasked(offset + annotation - 4, 4, what), 0);
-      if (size < header_.image_bytes)
-        throw InputError(in_quotes(info_.path) + " is damaged: " + what + " has " + std::to_string(size) +
-                         " bytes of pixels where " + std::to_string(header_.image_bytes) +
-                         " are needed; copy the recording again");
-      pixels = offset + annotation;
-    }
-    return file_.bytes_unasked(pixels, header_.image_bytes, what);
-  }
-
-  /// A window's rows lie too far apart for the processor to see what comes next.
-  void fetch_row(std::span<const std::uint8_t> pixels, const Rect& window, int y) const {
-    const auto stored = static_cast<std::size_t>(header_.top_down ? y : header_.height - 1 - y);
-    const std::size_t bytes = header_.row_bytes / static_cast<std::size_t>(header_.width);
-    const std::uint8_t* row = pixels.data() + stored * header_.row_bytes;
-    const std::size_t end = bytes * static_cast<std::size_t>(window.x + window.width);
-    for (std::size_t at = bytes * static_cast<std::size_t>(window.x); at < end; at += kCacheLine)
-      __builtin_prefetch(row + at);
+    const std::uint64_t offset = header_.image_offsets[static_cast<std::size_t>(index)];
+    const std::uint64_t room = header_.image_rooms[static_cast<std::size_t>(index)];
+    const auto annotation = load<std::uint32_t>(file_.bytes_unasked(offset, 8, what), 0);
+    if (annotation < 8 || annotation > room - header_.image_bytes)
+      throw InputError(in_quotes(info_.path) + " is damaged: the annotation of " + what + " claims " +
+                       std::to_string(annotation) + " bytes, where 8 to " +
+                       std::to_string(room - header_.image_bytes) + " have room; copy the recording again");
+    const auto size = load<std::uint32_t>(file_.bytes_unasked(offset + annotation - 4, 4, what), 0);
+    if (size < header_.image_bytes)
+      throw InputError(in_quotes(info_.path) + " is damaged: " + what + " has " + std::to_string(size) +
+                       " bytes of pixels where " + std::to_string(header_.image_bytes) +
+                       " are needed; copy the recording again");
+    return file_.bytes_unasked(offset + annotation, header_.image_bytes, what);
   }
 
   void read_row(std::span<const std::uint8_t> pixels, int x, int y, std::span<float> levels) const {
@@ -205,7 +185,6 @@ class CineSource : public FrameSource {
 
   MappedFile file_;
   CineHeader header_;
-  std::vector<std::uint64_t> pixels_at_;  ///< of each image; 0 before it is first read
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <span>
 #include <stdexcept>
+#include <vector>
 
 #include "vision/formats/libav/libav.h"
 #include "vision/io/levels.h"
@@ -17,41 +18,6 @@ extern "C" {
 
 namespace tribotrack::vision {
 namespace {
-
-/// One component of a pixel in a row, whatever its depth and byte order.
-class Component {
- public:
-  Component(const AVFrame& frame, const AVPixFmtDescriptor& form, int index, int y)
-      : comp_(form.comp[index]),
-        row_(frame.data[comp_.plane] + static_cast<std::ptrdiff_t>(y) * frame.linesize[comp_.plane] +
-             comp_.offset),
-        wide_(comp_.depth + comp_.shift > 8),
-        big_endian_((form.flags & AV_PIX_FMT_FLAG_BE) != 0),
-        mask_((1U << comp_.depth) - 1U) {}
-  std::uint32_t at(int x) const {
-    const std::uint8_t* stored = row_ + static_cast<std::ptrdiff_t>(x) * comp_.step;
-    std::uint32_t word = stored[0];
-    if (wide_) word = big_endian_ ? word << 8 | stored[1] : word | static_cast<std::uint32_t>(stored[1]) << 8;
-    return word >> comp_.shift & mask_;
-  }
-  /// Eight bits, or a whole 16-bit word, side by side: the row can be copied straight.
-  bool plain_8() const { return !wide_ && comp_.step == 1 && comp_.shift == 0 && comp_.depth == 8; }
-  bool plain_16() const { return wide_ && !big_endian_ && comp_.step == 2 && comp_.shift == 0; }
-  const std::uint8_t* row() const { return row_; }
-
- private:
-  AVComponentDescriptor comp_;
-  const std::uint8_t* row_;
-  bool wide_, big_endian_;
-  std::uint32_t mask_;
-};
-
-void copy_luma_row(const Component& grey, int x, std::span<float> levels) {
-  if (grey.plain_8()) return copy_levels(grey.row() + x, levels);
-  if (grey.plain_16()) return copy_levels_16(grey.row() + 2 * static_cast<std::ptrdiff_t>(x), levels);
-  for (std::size_t i = 0; i < levels.size(); ++i)
-    levels[i] = static_cast<float>(grey.at(x + static_cast<int>(i)));
-}
 
 void palette_row(const AVFrame& frame, int x, int y, std::span<float> levels) {
   const std::uint8_t* codes = frame.data[0] + static_cast<std::ptrdiff_t>(y) * frame.linesize[0] + x;
@@ -87,22 +53,36 @@ LibavPixelForm libav_pixel_form(int format) {
 
 void copy_libav_window(const AVFrame& frame, const Rect& window, Picture& picture) {
   const AVPixFmtDescriptor& form = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+  const AVComponentDescriptor& first = form.comp[0];
+  const bool big_endian = (form.flags & AV_PIX_FMT_FLAG_BE) != 0;
+  // Eight bits, or a whole 16-bit word, side by side: the row can be copied straight.
+  const bool plain_8 = first.step == 1 && first.shift == 0 && first.depth == 8;
+  const bool plain_16 = first.step == 2 && first.shift == 0 && first.depth > 8 && !big_endian;
+  std::array<std::vector<std::uint16_t>, 3> parts;
+  const auto read = [&](int component, int y) -> const std::vector<std::uint16_t>& {
+    std::vector<std::uint16_t>& row = parts[static_cast<std::size_t>(component)];
+    row.resize(static_cast<std::size_t>(window.width));
+    av_read_image_line2(row.data(), const_cast<const std::uint8_t**>(frame.data), frame.linesize, &form,
+                        window.x, window.y + y, component, window.width, 0, sizeof row[0]);
+    return row;
+  };
   for (int y = 0; y < window.height; ++y) {
     const std::span<float> levels = picture.row(y);
+    const std::uint8_t* stored = frame.data[first.plane] +
+                                 static_cast<std::ptrdiff_t>(window.y + y) * frame.linesize[first.plane] +
+                                 first.offset + static_cast<std::ptrdiff_t>(window.x) * first.step;
     if (form.flags & AV_PIX_FMT_FLAG_PAL) {
       palette_row(frame, window.x, window.y + y, levels);
-      continue;
+    } else if (form.flags & AV_PIX_FMT_FLAG_RGB) {
+      const auto &red = read(0, y), &green = read(1, y), &blue = read(2, y);
+      for (std::size_t x = 0; x < levels.size(); ++x) levels[x] = luma(red[x], green[x], blue[x]);
+    } else if (plain_8) {
+      copy_levels(stored, levels);
+    } else if (plain_16) {
+      copy_levels_16(stored, levels);
+    } else {
+      std::ranges::copy(read(0, y), levels.begin());
     }
-    const Component first(frame, form, 0, window.y + y);
-    if (!(form.flags & AV_PIX_FMT_FLAG_RGB)) {
-      copy_luma_row(first, window.x, levels);
-      continue;
-    }
-    const Component green(frame, form, 1, window.y + y);
-    const Component blue(frame, form, 2, window.y + y);
-    for (int x = 0; x < window.width; ++x)
-      levels[static_cast<std::size_t>(x)] =
-          luma(first.at(window.x + x), green.at(window.x + x), blue.at(window.x + x));
   }
 }
 

@@ -4,10 +4,7 @@
 #include <cctype>
 #include <cstdarg>
 #include <cstdio>
-#include <fstream>
 #include <mutex>
-#include <new>
-#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -29,35 +26,6 @@ void keep_complaint(void*, int level, const char* format, va_list arguments) {
 }
 
 }  // namespace
-
-void LibavDelete::operator()(AVCodecContext* context) const {
-  avcodec_free_context(&context);
-}
-void LibavDelete::operator()(AVFrame* frame) const {
-  av_frame_free(&frame);
-}
-void LibavDelete::operator()(AVPacket* packet) const {
-  av_packet_free(&packet);
-}
-void LibavCloseInput::operator()(AVFormatContext* context) const {
-  avformat_close_input(&context);
-}
-void LibavCloseOutput::operator()(AVFormatContext* context) const {
-  if (context->pb) avio_closep(&context->pb);
-  avformat_free_context(context);
-}
-
-LibavFrame make_libav_frame() {
-  LibavFrame frame(av_frame_alloc());
-  if (!frame) throw std::bad_alloc();
-  return frame;
-}
-
-LibavPacket make_libav_packet() {
-  LibavPacket packet(av_packet_alloc());
-  if (!packet) throw std::bad_alloc();
-  return packet;
-}
 
 void silence_libav() {
   static std::once_flag once;
@@ -99,8 +67,7 @@ bool is_coding_read(const std::string& decoder_name) {
 
 AVFormatContext* contained_input(const Deadline& deadline) {
   limit_memory();
-  AVFormatContext* input = avformat_alloc_context();
-  if (!input) throw std::bad_alloc();
+  AVFormatContext* input = there(avformat_alloc_context());
   av_opt_set(input, "protocol_whitelist", "file", 0);
   av_opt_set(input, "format_whitelist", kContainers, 0);
   av_opt_set(input, "codec_whitelist", kCodings, 0);
@@ -123,122 +90,28 @@ void contain(AVCodecContext& decoder) {
   av_opt_set(&decoder, "codec_whitelist", kCodings, 0);
 }
 
-namespace {
-
-class ByteReader {
- public:
-  explicit ByteReader(const std::filesystem::path& path) : file_(path, std::ios::binary) {
-    std::error_code error;
-    size_ = std::filesystem::file_size(path, error);
-    if (error) size_ = 0;
-  }
-  std::uint64_t size() const { return size_; }
-  /// Empty where the file ends before.
-  std::vector<std::uint8_t> read(std::uint64_t offset, std::size_t count) {
-    std::vector<std::uint8_t> bytes(count);
-    file_.clear();
-    file_.seekg(static_cast<std::streamoff>(offset));
-    file_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
-    if (static_cast<std::size_t>(file_.gcount()) != count) bytes.clear();
-    return bytes;
-  }
-
- private:
-  std::ifstream file_;
-  std::uint64_t size_ = 0;
-};
-
-std::uint64_t big_endian(const std::vector<std::uint8_t>& bytes, std::size_t offset, std::size_t count) {
-  std::uint64_t number = 0;
-  for (std::size_t i = 0; i < count; ++i) number = number << 8 | bytes[offset + i];
-  return number;
-}
-
-std::string name_at(const std::vector<std::uint8_t>& bytes, std::size_t offset) {
-  return std::string(bytes.begin() + static_cast<std::ptrdiff_t>(offset),
-                     bytes.begin() + static_cast<std::ptrdiff_t>(offset) + 4);
-}
-
-/// ISO base media: u32 size, type; size 1: u64 size follows; size 0: to the end of the file.
-std::optional<ContainerExtent> mp4_extent(ByteReader& file) {
-  static const std::set<std::string> first_boxes = {"ftyp", "moov", "mdat", "free", "skip", "wide", "styp"};
-  ContainerExtent extent;
-  for (std::uint64_t offset = 0; offset < file.size();) {
-    const auto head = file.read(offset, 8);
-    if (head.empty()) break;
-    const std::string type = name_at(head, 4);
-    if (offset == 0 && !first_boxes.contains(type)) return std::nullopt;
-    std::uint64_t size = big_endian(head, 0, 4);
-    if (size == 1) {
-      const auto large = file.read(offset + 8, 8);
-      if (large.empty()) break;
-      size = big_endian(large, 0, 8);
-    } else if (size == 0) {
-      size = file.size() - offset;
-    }
-    if (size < 8) break;  // bytes after the last box that are no box
-    offset += size;
-    extent.stated_end = offset;
-    extent.last_box = type;
-    if (offset > file.size()) break;
-  }
-  return extent;
-}
-
-/// RIFF: one chunk "AVI ", then further ones "AVIX" beyond 1 GB.
-std::optional<ContainerExtent> riff_extent(ByteReader& file) {
-  ContainerExtent extent;
-  for (std::uint64_t offset = 0; offset < file.size();) {
-    const auto head = file.read(offset, 8);
-    if (head.empty() || name_at(head, 0) != "RIFF") break;
-    const std::uint64_t size =
-        head[4] | head[5] << 8 | head[6] << 16 | static_cast<std::uint64_t>(head[7]) << 24;
-    if (size == 0) break;
-    offset += 8 + size;
-    extent.stated_end = offset;
-    extent.last_box = "RIFF";
-    offset += size % 2;
-  }
-  return extent.stated_end > 0 ? std::optional(extent) : std::nullopt;
-}
-
 /// EBML: identity and size are numbers whose first byte states their length; a size of all ones is unknown.
-std::optional<ContainerExtent> matroska_extent(ByteReader& file) {
-  const auto size_length = [&](std::uint64_t offset) -> std::size_t {
-    const auto first = file.read(offset, 1);
-    return first.empty() || first[0] == 0 ? 0 : static_cast<std::size_t>(std::countl_zero(first[0])) + 1;
+std::optional<std::uint64_t> matroska_end(const std::filesystem::path& path) {
+  const MappedFile file(path);
+  const auto number = [&](std::uint64_t offset, std::size_t length) {
+    std::uint64_t value = 0;
+    for (const std::uint8_t byte : file.bytes(offset, length, "the Matroska header"))
+      value = value << 8 | byte;
+    return value;
   };
-  std::uint64_t offset = 0;
-  for (const bool segment : {false, true}) {
-    offset += 4;
-    const std::size_t length = size_length(offset);
-    const auto bytes = length > 0 ? file.read(offset, length) : std::vector<std::uint8_t>{};
-    if (bytes.empty()) return std::nullopt;
-    const std::uint64_t mask = (std::uint64_t{1} << (7 * length)) - 1;
-    const std::uint64_t size = big_endian(bytes, 0, length) & mask;
-    offset += length;
-    if (!segment) {
-      offset += size;
-      const auto identity = file.read(offset, 4);
-      if (identity.empty() || big_endian(identity, 0, 4) != 0x18538067) return std::nullopt;
-    } else if (size == mask) {
-      return ContainerExtent{offset, "Segment", true};
-    } else {
-      offset += size;
-    }
+  constexpr std::uint64_t kEbml = 0x1A45DFA3, kSegment = 0x18538067;
+  if (file.size() < 8 || number(0, 4) != kEbml) return std::nullopt;
+  std::uint64_t offset = 0, mask = 0, size = 0;
+  for (const std::uint64_t identity : {kEbml, kSegment}) {
+    if (number(offset += size, 4) != identity) return std::nullopt;
+    const auto first = static_cast<std::uint8_t>(number(offset += 4, 1));
+    if (first == 0) return std::nullopt;
+    const int length = std::countl_zero(first) + 1;
+    mask = (std::uint64_t{1} << (7 * length)) - 1;
+    size = number(offset, static_cast<std::size_t>(length)) & mask;
+    offset += static_cast<std::uint64_t>(length);
   }
-  return ContainerExtent{offset, "Segment", false};
-}
-
-}  // namespace
-
-std::optional<ContainerExtent> container_extent(const std::filesystem::path& path) {
-  ByteReader file(path);
-  const auto head = file.read(0, 8);
-  if (head.empty()) return std::nullopt;
-  if (name_at(head, 0) == "RIFF") return riff_extent(file);
-  if (big_endian(head, 0, 4) == 0x1A45DFA3) return matroska_extent(file);
-  return mp4_extent(file);
+  return size == mask ? kUnfinished : offset + size;
 }
 
 }  // namespace tribotrack::vision

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 
@@ -21,27 +22,33 @@ namespace tribotrack::vision {
 
 // Ownership, and complaints.
 
+/// By a function of libav's that takes the pointer's address.
+template <auto kFree>
 struct LibavDelete {
-  void operator()(AVCodecContext* context) const;
-  void operator()(AVFrame* frame) const;
-  void operator()(AVPacket* packet) const;
-};
-struct LibavCloseInput {
-  void operator()(AVFormatContext* context) const;
+  template <class Object>
+  void operator()(Object* object) const {
+    kFree(&object);
+  }
 };
 struct LibavCloseOutput {
-  void operator()(AVFormatContext* context) const;
+  void operator()(AVFormatContext* context) const {
+    if (context->pb) avio_closep(&context->pb);
+    avformat_free_context(context);
+  }
 };
 
-using LibavDecoder = std::unique_ptr<AVCodecContext, LibavDelete>;
-using LibavEncoder = std::unique_ptr<AVCodecContext, LibavDelete>;
-using LibavFrame = std::unique_ptr<AVFrame, LibavDelete>;
-using LibavPacket = std::unique_ptr<AVPacket, LibavDelete>;
-using LibavInput = std::unique_ptr<AVFormatContext, LibavCloseInput>;
+using LibavCoder = std::unique_ptr<AVCodecContext, LibavDelete<avcodec_free_context>>;
+using LibavFrame = std::unique_ptr<AVFrame, LibavDelete<av_frame_free>>;
+using LibavPacket = std::unique_ptr<AVPacket, LibavDelete<av_packet_free>>;
+using LibavInput = std::unique_ptr<AVFormatContext, LibavDelete<avformat_close_input>>;
 using LibavOutput = std::unique_ptr<AVFormatContext, LibavCloseOutput>;
 
-LibavFrame make_libav_frame();
-LibavPacket make_libav_packet();
+/// Throws std::bad_alloc instead of a null pointer.
+template <class Object>
+Object* there(Object* object) {
+  if (!object) throw std::bad_alloc();
+  return object;
+}
 
 /// From now on libav prints nothing; the last error it would have printed on this thread is kept instead.
 void silence_libav();
@@ -104,15 +111,11 @@ void contain(AVCodecContext& decoder);
 
 // Has a video file been cut short?
 
-/// Where the outermost boxes of an MP4/MOV, RIFF (AVI) or Matroska file end after their own account. Decoders
-/// play a file cut short without complaint, which would silently shorten a measurement.
-struct ContainerExtent {
-  std::uint64_t stated_end = 0;  ///< byte after the last box
-  std::string last_box;          ///< name of the box that ends there
-  bool unfinished = false;       ///< its writer never came to fill in the size (Matroska)
-};
-
-/// Nothing where the file is none of the three. Does not judge: compare stated_end with the file's size.
-std::optional<ContainerExtent> container_extent(const std::filesystem::path& path);
+/// The byte at which a Matroska file ends by its own account, or kUnfinished where its writer never came to
+/// fill that in; nothing for other files. libav plays a file cut short without complaint, and where Matroska
+/// is cut, unlike MP4 and AVI, no table tells of the frames that are gone. Throws InputError where it ends
+/// before its segment begins.
+inline constexpr std::uint64_t kUnfinished = ~std::uint64_t{0};
+std::optional<std::uint64_t> matroska_end(const std::filesystem::path& path);
 
 }  // namespace tribotrack::vision

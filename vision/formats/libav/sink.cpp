@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "vision/formats/libav/libav.h"
@@ -37,15 +38,9 @@ class LibavSink : public FrameSink {
   void write(const Picture& picture) override {
     require_size(options_, picture.width(), picture.height());
     make_writable();
-    const float largest = largest_level(options_.bits);
-    for (int y = 0; y < options_.height; ++y) {
-      std::uint8_t* stored = frame_->data[0] + static_cast<std::ptrdiff_t>(y) * frame_->linesize[0];
-      for (const float level : picture.row(y)) {
-        const std::uint16_t whole = whole_level(level, largest);
-        *stored++ = static_cast<std::uint8_t>(whole & 0xFF);
-        if (options_.bits > 8) *stored++ = static_cast<std::uint8_t>(whole >> 8);
-      }
-    }
+    for (int y = 0; y < options_.height; ++y)
+      store_levels(picture.row(y), options_.bits,
+                   frame_->data[0] + static_cast<std::ptrdiff_t>(y) * frame_->linesize[0]);
     for (int plane = 1; plane < 3 && frame_->data[plane]; ++plane)
       for (int y = 0; y < (options_.height + 1) / 2; ++y)
         std::memset(frame_->data[plane] + static_cast<std::ptrdiff_t>(y) * frame_->linesize[plane], 128,
@@ -192,39 +187,26 @@ class LibavSink : public FrameSink {
 
   /// Full-range BT.601 (as JPEG has it), chroma averaged over two by two pixels.
   void store_as_yuv(const unsigned char* rgb) {
-    const auto pixel = [&](int x, int y) {
-      x = x < options_.width ? x : options_.width - 1;
-      y = y < options_.height ? y : options_.height - 1;
-      return rgb + 3 * (static_cast<std::ptrdiff_t>(y) * options_.width + x);
-    };
-    const auto to_byte = [](double value) {
-      return static_cast<std::uint8_t>(whole_level(static_cast<float>(value), 255));
-    };
-    for (int y = 0; y < options_.height; ++y)
-      for (int x = 0; x < options_.width; ++x) {
-        const unsigned char* p = pixel(x, y);
-        frame_->data[0][static_cast<std::ptrdiff_t>(y) * frame_->linesize[0] + x] =
-            to_byte(0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2]);
-      }
-    for (int y = 0; y < options_.height; y += 2)
-      for (int x = 0; x < options_.width; x += 2) {
-        double sum[3] = {0, 0, 0};
-        for (int corner = 0; corner < 4; ++corner)
-          for (int c = 0; c < 3; ++c) sum[c] += pixel(x + corner % 2, y + corner / 2)[c] / 4.0;
-        const double grey = 0.299 * sum[0] + 0.587 * sum[1] + 0.114 * sum[2];
-        frame_->data[1][static_cast<std::ptrdiff_t>(y / 2) * frame_->linesize[1] + x / 2] =
-            to_byte(128 + (sum[2] - grey) / 1.772);
-        frame_->data[2][static_cast<std::ptrdiff_t>(y / 2) * frame_->linesize[2] + x / 2] =
-            to_byte(128 + (sum[0] - grey) / 1.402);
-      }
+    const cv::Mat colour(options_.height, options_.width, CV_8UC3, const_cast<unsigned char*>(rgb));
+    cv::Mat ycc;
+    cv::cvtColor(colour, ycc, cv::COLOR_RGB2YCrCb);
+    const cv::Size half((options_.width + 1) / 2, (options_.height + 1) / 2);
+    constexpr int kPlane[] = {0, 2, 1};  // of Y, Cr, Cb
+    for (int channel = 0; channel < 3; ++channel) {
+      const int plane = kPlane[channel];
+      cv::Mat levels, stored(plane == 0 ? colour.size() : half, CV_8U, frame_->data[plane],
+                             static_cast<std::size_t>(frame_->linesize[plane]));
+      cv::extractChannel(ycc, levels, channel);
+      cv::resize(levels, stored, stored.size(), 0, 0, cv::INTER_AREA);
+    }
   }
 
   SinkOptions options_;
   TemporaryFile temporary_;
   LibavOutput output_;
-  LibavEncoder encoder_;
-  LibavFrame frame_ = make_libav_frame();
-  LibavPacket packet_ = make_libav_packet();
+  LibavCoder encoder_;
+  LibavFrame frame_{there(av_frame_alloc())};
+  LibavPacket packet_{there(av_packet_alloc())};
   std::int64_t count_ = 0;
 };
 

@@ -55,7 +55,7 @@ class LibavSource : public FrameSource {
   LibavSource(const std::filesystem::path& path, const SourceOptions& options) {
     info_.path = path;
     silence_libav();
-    require_whole_container();
+    require_whole_matroska();
     open_input();
     list_packets();
     open_input();
@@ -82,17 +82,14 @@ class LibavSource : public FrameSource {
   }
   const AVStream& stream() const { return *input_->streams[stream_index_]; }
 
-  /// A container that ends before its own boxes do was cut short.
-  void require_whole_container() {
-    const auto extent = container_extent(info_.path);
-    if (!extent) return;
-    const auto size = std::filesystem::file_size(info_.path);
-    if (extent->stated_end > size)
-      refuse("is cut short: its part '" + extent->last_box + "' should end at byte " +
-             std::to_string(extent->stated_end) + ", but the file has " + std::to_string(size) +
-             " bytes; copy or export the recording again");
-    if (extent->unfinished)
+  void require_whole_matroska() {
+    const std::uint64_t end = matroska_end(info_.path).value_or(0),
+                        size = std::filesystem::file_size(info_.path);
+    if (end == kUnfinished)
       info_.notes.push_back("the file was never finished by its writer, so frames may be missing at its end");
+    else if (end > size)
+      refuse("is cut short: its part 'Segment' should end at byte " + std::to_string(end) +
+             ", but the file has " + std::to_string(size) + " bytes; copy or export the recording again");
   }
 
   void open_input() {
@@ -496,9 +493,9 @@ class LibavSource : public FrameSource {
 
   Deadline deadline_;  ///< before input_, which asks it
   LibavInput input_;
-  LibavDecoder decoder_;
-  LibavPacket packet_ = make_libav_packet();
-  LibavFrame frame_ = make_libav_frame();
+  LibavCoder decoder_;
+  LibavPacket packet_{there(av_packet_alloc())};
+  LibavFrame frame_{there(av_frame_alloc())};
   int stream_index_ = -1;
   int format_ = -1;
   std::vector<PacketRecord> packets_;  ///< in the order of decoding

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <charconv>
 #include <map>
+#include <string_view>
+#include <tuple>
 
 #include "vision/picture.h"
 
@@ -69,36 +71,6 @@ bool has_tiff_extension(const fs::path& path) {
 bool has_picture_extension(const fs::path& path) {
   static const std::array<std::string, 5> others = {".png", ".bmp", ".jpg", ".jpeg", ".pgm"};
   return has_tiff_extension(path) || std::count(others.begin(), others.end(), lower_extension(path)) > 0;
-}
-
-bool natural_less(std::string_view a, std::string_view b) {
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (is_digit(a[i]) && is_digit(b[j])) {
-      const auto skip_zeros = [](std::string_view text, std::size_t k) {
-        while (k + 1 < text.size() && text[k] == '0' && is_digit(text[k + 1])) ++k;
-        return k;
-      };
-      const auto past_digits = [](std::string_view text, std::size_t k) {
-        while (k < text.size() && is_digit(text[k])) ++k;
-        return k;
-      };
-      i = skip_zeros(a, i);
-      j = skip_zeros(b, j);
-      const std::string_view number_a = a.substr(i, past_digits(a, i) - i);
-      const std::string_view number_b = b.substr(j, past_digits(b, j) - j);
-      if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
-      if (number_a != number_b) return number_a < number_b;
-      i += number_a.size();
-      j += number_b.size();
-    } else {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i;
-      ++j;
-    }
-  }
-  if ((a.size() - i) != (b.size() - j)) return a.size() - i < b.size() - j;
-  return a < b;
 }
 
 std::optional<NumberPattern> NumberPattern::parse(const fs::path& path) {
@@ -185,8 +157,10 @@ PictureList pictures_in_folder(const fs::path& folder) {
     throw InputError(
         "the folder '" + folder.string() +
         "' holds no pictures (png, tif, tiff, bmp, jpg, jpeg, pgm); name the folder of the frames");
-  std::sort(list.files.begin(), list.files.end(), [](const fs::path& a, const fs::path& b) {
-    return natural_less(a.filename().string(), b.filename().string());
+  // Their last number orders names that are alike before it: frame9 comes before frame10.
+  std::ranges::sort(list.files, {}, [](const fs::path& file) {
+    const auto name = numbered(file).value_or(NumberedName{file.stem().string(), "", -1});
+    return std::tuple(name.before, name.number, file.filename().string());
   });
 
   std::vector<std::int64_t> numbers;

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace tribotrack::vision {
@@ -13,9 +12,6 @@ namespace tribotrack::vision {
 /// png, tif, tiff, bmp, jpg, jpeg or pgm, in upper or lower case.
 bool has_picture_extension(const std::filesystem::path& path);
 bool has_tiff_extension(const std::filesystem::path& path);
-
-/// Natural order: runs of digits compare as numbers, so that frame9 comes before frame10.
-bool natural_less(std::string_view a, std::string_view b);
 
 /// A printf pattern in the file's name, such as "dir/%05d.png": one %d, %i or %u with an optional width.
 class NumberPattern {
@@ -40,8 +36,9 @@ struct PictureList {
   std::vector<std::string> notes;
 };
 
-/// The pictures in a folder in natural order. Names that differ only in one running number give the first
-/// number; a missing one is an InputError: times count frames.
+/// The pictures in a folder, ordered by the last number in their names: frame9 comes before frame10. Names
+/// that differ only in one running number give the first number; a missing one is an InputError: times count
+/// frames.
 PictureList pictures_in_folder(const std::filesystem::path& folder);
 
 /// The pictures a pattern finds, from the lowest number on; the same holds for their numbers.

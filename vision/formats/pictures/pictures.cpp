@@ -2,6 +2,7 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "vision/formats/photron/photron.h"
@@ -33,21 +34,6 @@ void require_supported(const cv::Mat& image, const std::string& name) {
                      " channels; convert it to grey or RGB");
 }
 
-template <typename Level>
-void copy_window(const cv::Mat& image, const Rect& window, Picture& picture) {
-  const int channels = image.channels();
-  for (int y = 0; y < window.height; ++y) {
-    const Level* stored = image.ptr<Level>(window.y + y) + static_cast<std::ptrdiff_t>(window.x) * channels;
-    const std::span<float> row = picture.row(y);
-    if (channels == 1) {
-      for (std::size_t x = 0; x < row.size(); ++x) row[x] = static_cast<float>(stored[x]);
-    } else {
-      for (std::size_t x = 0; x < row.size(); ++x, stored += channels)
-        row[x] = luma(stored[2], stored[1], stored[0]);
-    }
-  }
-}
-
 /// What sequences and stacks share: the description from the first frame, and a frame kept decoded.
 class DecodedPictures : public FrameSource {
  public:
@@ -55,10 +41,11 @@ class DecodedPictures : public FrameSource {
   void read(std::int64_t index, const Rect& window, Picture& picture) override {
     prepare_window(info_, index, window, picture);
     const cv::Mat& image = decoded(index);
-    if (image.depth() == CV_8U)
-      copy_window<std::uint8_t>(image, window, picture);
-    else
-      copy_window<std::uint16_t>(image, window, picture);
+    const bool narrow = image.depth() == CV_8U;
+    const auto copy = image.channels() == 1 ? (narrow ? copy_levels : copy_levels_16)
+                                            : (narrow ? luma_of_bgr : luma_of_bgr_16);
+    for (int y = 0; y < window.height; ++y)
+      copy(image.ptr(window.y + y) + static_cast<std::size_t>(window.x) * image.elemSize(), picture.row(y));
   }
 
  protected:
@@ -90,6 +77,7 @@ class DecodedPictures : public FrameSource {
       kept_ = cv::Mat();
     }
     require_supported(kept_, frame_name(index));
+    if (kept_.channels() == 4) cv::cvtColor(kept_, kept_, cv::COLOR_BGRA2BGR);
     const int bits = kept_.depth() == CV_8U ? 8 : 16;
     if (info_.width != 0 && (kept_.cols != info_.width || kept_.rows != info_.height || bits != info_.bits))
       throw InputError(in_quotes(frame_name(index)) + " has " + std::to_string(kept_.cols) + " x " +
@@ -181,8 +169,6 @@ std::unique_ptr<FrameSource> open_picture_stack(const fs::path& path, const Sour
 
 namespace {
 
-namespace fs = std::filesystem;
-
 class PictureSink : public FrameSink {
  public:
   PictureSink(const fs::path& path, const SinkOptions& options)
@@ -195,27 +181,15 @@ class PictureSink : public FrameSink {
 
   void write(const Picture& picture) override {
     require_size(options_, picture.width(), picture.height());
-    const float largest = largest_level(options_.bits);
+    if (count_ > 0 && !pattern_)
+      throw InputError(in_quotes(path_) +
+                       " holds one picture only; for a sequence give a pattern such as 'frame%05d" +
+                       path_.extension().string() + "'");
     cv::Mat image(picture.height(), picture.width(), options_.bits == 8 ? CV_8UC1 : CV_16UC1);
-    for (int y = 0; y < picture.height(); ++y) {
-      const std::span<const float> row = picture.row(y);
-      for (int x = 0; x < picture.width(); ++x) {
-        const std::uint16_t level = whole_level(row[static_cast<std::size_t>(x)], largest);
-        if (options_.bits == 8)
-          image.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(level);
-        else
-          image.at<std::uint16_t>(y, x) = level;
-      }
-    }
-    save(image);
-  }
-
-  void write_rgb(int width, int height, const unsigned char* rgb) override {
-    require_size(options_, width, height);
-    cv::Mat image(height, width, CV_8UC3);
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x, rgb += 3) image.at<cv::Vec3b>(y, x) = cv::Vec3b(rgb[2], rgb[1], rgb[0]);
-    save(image);
+    for (int y = 0; y < picture.height(); ++y) store_levels(picture.row(y), options_.bits, image.ptr(y));
+    if (count_ > 0) files_.emplace_back(name_of(count_));
+    files_.back().write(options_.codec == Codec::tiff ? tiff_of(image) : png_of(image));
+    ++count_;
   }
 
   void close() override {
@@ -226,16 +200,6 @@ class PictureSink : public FrameSink {
 
  private:
   fs::path name_of(std::int64_t number) const { return pattern_ ? pattern_->file(number) : path_; }
-
-  void save(const cv::Mat& image) {
-    if (count_ > 0 && !pattern_)
-      throw InputError(in_quotes(path_) +
-                       " holds one picture only; for a sequence give a pattern such as 'frame%05d" +
-                       path_.extension().string() + "'");
-    if (count_ > 0) files_.emplace_back(name_of(count_));
-    files_.back().write(options_.codec == Codec::tiff ? tiff_of(image) : png_of(image));
-    ++count_;
-  }
 
   void remove_leftovers() const {
     const fs::path folder = pattern_->folder().empty() ? fs::path(".") : pattern_->folder();

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <numeric>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
 
@@ -20,14 +19,9 @@ constexpr float kFramesNeeded = 3;   ///< fewer do not tell how a place's level 
 
 /// The mean over 3 x 3 places: the interpolation leans on the neighbours.
 Picture box_mean(const Picture& in) {
-  Picture rows(in.width(), in.height()), out(in.width(), in.height());
-  for (int y = 0; y < in.height(); ++y)
-    for (int x = 0; x < in.width(); ++x)
-      rows.at(x, y) = in.at(std::max(0, x - 1), y) + in.at(x, y) + in.at(std::min(in.width() - 1, x + 1), y);
-  for (int y = 0; y < in.height(); ++y)
-    for (int x = 0; x < in.width(); ++x)
-      out.at(x, y) =
-          (rows.at(x, std::max(0, y - 1)) + rows.at(x, y) + rows.at(x, std::min(in.height() - 1, y + 1))) / 9;
+  Picture out = in;
+  cv::Mat levels(out.height(), out.width(), CV_32F, out.levels().data());
+  cv::blur(levels, levels, {3, 3}, {-1, -1}, cv::BORDER_REPLICATE);
   return out;
 }
 
@@ -44,41 +38,8 @@ GroundPicture::GroundPicture(const Rect& region)
       count_beside_(region.width, region.height),
       frames_beside_(region.width, region.height) {}
 
-void GroundPicture::hold_to(Picture usual, double tolerance) {
-  usual_ = std::move(usual);
-  tolerance_ = static_cast<float>(tolerance);
-  forget();
-}
-
 void GroundPicture::forget() {
-  held_ = looked_at_ = 0;
   for (Picture* p : {&sum_, &squares_, &count_}) std::ranges::fill(p->levels(), 0.0F);
-}
-
-template <class Uncovered>
-void GroundPicture::add_held(const Uncovered& uncovered) {
-  constexpr int kStep = 7;
-  std::vector<float> ratios;
-  uncovered([&](const float* row, int from, int to, std::size_t at) {
-    for (int i = from; i < to; i += kStep)
-      if (row[i] > 0) ratios.push_back(usual_.levels()[at + static_cast<std::size_t>(i)] / row[i]);
-  });
-  if (ratios.empty()) return;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  const float light = *middle;
-  uncovered([&](const float* row, int from, int to, std::size_t at) {
-    for (int i = from; i < to; ++i) {
-      const std::size_t k = at + static_cast<std::size_t>(i);
-      const float level = light * row[i];
-      ++looked_at_;
-      if (std::abs(level - usual_.levels()[k]) > tolerance_) continue;
-      ++held_;
-      sum_.levels()[k] += level;
-      squares_.levels()[k] += level * level;
-      count_.levels()[k] += 1;
-    }
-  });
 }
 
 void GroundPicture::add(const Picture& picture, int x, int y, const Point& displacement,
@@ -112,29 +73,16 @@ void GroundPicture::add(const Picture& picture, int x, int y, const Point& displ
       act(row, std::clamp(static_cast<int>(std::floor(middle + half)) + 1, 0, width), width, at);
     }
   };
-  if (!usual_.empty()) return add_held(uncovered);
   float* sums = sum_.levels().data();
   float* squares = squares_.levels().data();
   float* counts = count_.levels().data();
-  double here = 0;
-  double before = 0;
+  double here = 0, before = 0;
   uncovered([&](const float* row, int from, int to, std::size_t at) {
-    // Eight sums beside each other, which the compiler takes at once.
-    float level[8] = {}, mean[8] = {};
-    int i = from;
-    for (; i + 8 <= to; i += 8)
-      for (int k = 0; k < 8; ++k) {
-        const float n = counts[at + i + k];
-        level[k] += n > 0 ? row[i + k] : 0.0F;
-        mean[k] += sums[at + i + k] / std::max(n, 1.0F);
+    for (int i = from; i < to; ++i)
+      if (const float n = counts[at + static_cast<std::size_t>(i)]; n > 0) {
+        here += static_cast<double>(row[i]);
+        before += static_cast<double>(sums[at + static_cast<std::size_t>(i)] / n);
       }
-    for (; i < to; ++i) {
-      const float n = counts[at + i];
-      level[0] += n > 0 ? row[i] : 0.0F;
-      mean[0] += sums[at + i] / std::max(n, 1.0F);
-    }
-    here += std::accumulate(std::begin(level), std::end(level), 0.0F);
-    before += std::accumulate(std::begin(mean), std::end(mean), 0.0F);
   });
   const auto light = static_cast<float>(here > 0 && before > 0 ? before / here : 1);
   uncovered([&](const float* row, int from, int to, std::size_t at) {
@@ -305,47 +253,6 @@ void GroundPicture::sample(double x0, double y0, int width, int height, float* l
       slope_y[at] = static_cast<float>(s.slope_y);
     }
   }
-}
-
-void UsualGround::add(Picture picture, const Circle& hidden) {
-  pictures_.push_back(std::move(picture));
-  hidden_.push_back(hidden);
-}
-
-Picture UsualGround::median() const {
-  const auto uncovered = [&](std::size_t k, int x, int y) {
-    const Circle& c = hidden_[k];
-    return std::hypot(region_.x + x - c.x, region_.y + y - c.y) > c.radius;
-  };
-  // The light of a frame: what most places say.
-  std::vector<float> light, levels;
-  for (std::size_t k = 0; k < pictures_.size(); ++k) {
-    levels.clear();
-    for (int y = 0; y < region_.height; y += 3)
-      for (int x = 0; x < region_.width; x += 3)
-        if (uncovered(k, x, y) && uncovered(0, x, y) && pictures_[k].at(x, y) > 0)
-          levels.push_back(pictures_[0].at(x, y) / pictures_[k].at(x, y));
-    light.push_back(levels.empty() ? 1 : vision::median(levels));
-  }
-  Picture out(region_.width, region_.height);
-  std::vector<float> all;
-  std::vector<std::size_t> never;
-  for (int y = 0; y < region_.height; ++y)
-    for (int x = 0; x < region_.width; ++x) {
-      levels.clear();
-      for (std::size_t k = 0; k < pictures_.size(); ++k)
-        if (uncovered(k, x, y)) levels.push_back(light[k] * pictures_[k].at(x, y));
-      if (levels.empty()) {
-        never.push_back(static_cast<std::size_t>(y) * static_cast<std::size_t>(region_.width) +
-                        static_cast<std::size_t>(x));
-        continue;
-      }
-      out.at(x, y) = vision::median(levels);
-      all.push_back(out.at(x, y));
-    }
-  const float usual = vision::median(all);
-  for (const std::size_t at : never) out.levels()[at] = usual;
-  return out;
 }
 
 }  // namespace tribotrack::vision

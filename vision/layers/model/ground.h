@@ -24,15 +24,10 @@ class GroundPicture {
   /// is not the ground.
   void add(const Picture& picture, int x, int y, const Point& displacement, const Circle& hidden);
 
-  /// Forgets the frames; of those added from now on only what lies within `tolerance` grey levels of `usual`
-  /// (over the region, in any light) is the ground: the rest is something that crosses it.
-  void hold_to(Picture usual, double tolerance);
   /// Forgets the frames.
   void forget();
   /// Share of the region that was uncovered in enough frames; after finish().
   double known_share() const { return known_share_; }
-  /// Share of what was uncovered that was the ground.
-  double held_share() const { return looked_at_ > 0 ? held_ / looked_at_ : 1; }
 
   /// To be called after the last frame.
   void finish(double noise_variance);
@@ -62,38 +57,16 @@ class GroundPicture {
   double texture() const { return texture_; }
 
  private:
-  template <class Uncovered>
-  void add_held(const Uncovered& uncovered);
   void see_beside(const KeptWindow& window, int part_half, const QuinticSpline& level,
                   const QuinticSpline& share, double hidden, const Rect& rows);
   void summarise(double noise_variance);
   void form(double noise_variance);
 
   Rect region_;
-  Picture usual_;  ///< see hold_to(); empty without
-  float tolerance_ = 0;
-  double held_ = 0, looked_at_ = 0;
   Picture sum_, squares_, count_, variance_;
   Picture sum_beside_, squares_beside_, count_beside_, frames_beside_;
   double mean_ = 0, unrest_ = 0, texture_ = 0, known_share_ = 0;
   QuinticSpline spline_;
-};
-
-// The picture of ground at rest when something crosses it: a tool, a hand, the edge of a shadow.
-
-/// What a place shows in most of the frames, each brought to the light of the first.
-class UsualGround {
- public:
-  explicit UsualGround(const Rect& region) : region_(region) {}
-  /// `picture` of the whole region; what lies in `hidden` is not the ground.
-  void add(Picture picture, const Circle& hidden);
-  /// Median over the frames, place by place; a place never uncovered has the median of all.
-  Picture median() const;
-
- private:
-  Rect region_;
-  std::vector<Picture> pictures_;
-  std::vector<Circle> hidden_;
 };
 
 }  // namespace tribotrack::vision

@@ -22,8 +22,10 @@ struct FloatLight {
         mean(static_cast<float>(l.mean)) {}
 };
 
-TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>& mask,
-                                        const LayerLight& at) {
+}  // namespace
+
+TRIBOTRACK_CLONES LayerNormal form_normal(LayerArrays& a, const std::vector<float>& mask,
+                                          const LayerLight& at) {
   constexpr int kSums = std::tuple_size_v<LayerNormal>;
   const FloatLight light(at);
   Lanes total[kSums] = {};
@@ -69,11 +71,12 @@ TRIBOTRACK_KERNEL LayerNormal form_with(LayerArrays& a, const std::vector<float>
   return out;
 }
 
-TRIBOTRACK_KERNEL LayerForce force_with(LayerArrays& a, const LayerLight& at) {
+TRIBOTRACK_CLONES LayerForce layer_force(LayerArrays& a, const LayerLight& at, std::size_t tile,
+                                         std::size_t end) {
   const FloatLight light(at);
   Lanes force[kLayerColumns] = {}, squares{}, largest{};
   Lanes n{}, sum_m{}, sum_i{}, sum_mm{}, sum_ii{}, sum_mi{};
-  for (std::size_t i = 0; i < a.tiles * kTilePixels; i += kTile) {
+  for (std::size_t i = tile * kTilePixels; i < end * kTilePixels; i += kTile) {
     Lanes s, w, wx, wy, g, gx, gy, u, v, level, weight, x, y;
     load(a.part.value.data() + i, s);
     load(a.share.value.data() + i, w);
@@ -117,64 +120,6 @@ TRIBOTRACK_KERNEL LayerForce force_with(LayerArrays& a, const LayerLight& at) {
   for (int i = 0; i < kTile; ++i) out.largest = std::fmax(out.largest, static_cast<double>(largest[i]));
   out.correlation = {sum(n), sum(sum_m), sum(sum_i), sum(sum_mm), sum(sum_ii), sum(sum_mi)};
   return out;
-}
-
-TRIBOTRACK_KERNEL void scores_with(const LayerArrays& a, const LayerLight& at, TileScores& out) {
-  const FloatLight light(at);
-  for (std::size_t t = 0; t < a.tiles; ++t) {
-    Lanes score[kLayerColumns] = {};
-    for (std::size_t i = t * kTilePixels; i < (t + 1) * kTilePixels; i += kTile) {
-      Lanes s, w, below, u, v, level, weight, x, y;
-      load(a.part.value.data() + i, s);
-      load(a.share.value.data() + i, w);
-      load(a.below.data() + i, below);
-      load(a.u.data() + i, u);
-      load(a.v.data() + i, v);
-      load(a.level.data() + i, level);
-      load(a.weight.data() + i, weight);
-      load(a.step_x.data() + i, x);
-      load(a.step_y.data() + i, y);
-      const Lanes shine = light.gain + light.slope_x * u + light.slope_y * v, own = s - light.mean * w;
-      const Lanes wr = weight * (level - shine * own - light.ground * below);
-      const Lanes on_part = wr * own;
-      score[kStepX] += wr * x;
-      score[kStepY] += wr * y;
-      score[kGain] += on_part;
-      score[kSlopeX] += on_part * u;
-      score[kSlopeY] += on_part * v;
-      score[kGround] += wr * below;
-    }
-    for (std::size_t c = 0; c < kLayerColumns; ++c) out[t][c] = static_cast<float>(sum(score[c]));
-  }
-}
-
-#define TRIBOTRACK_VARIANT(suffix, ...)                                                                   \
-  __VA_ARGS__ LayerNormal form_##suffix(LayerArrays& arrays, const std::vector<float>& mask,              \
-                                        const LayerLight& light) {                                        \
-    return form_with(arrays, mask, light);                                                                \
-  }                                                                                                       \
-  __VA_ARGS__ LayerForce force_##suffix(LayerArrays& arrays, const LayerLight& light) {                   \
-    return force_with(arrays, light);                                                                     \
-  }                                                                                                       \
-  __VA_ARGS__ void scores_##suffix(const LayerArrays& arrays, const LayerLight& light, TileScores& out) { \
-    out.resize(arrays.tiles);                                                                             \
-    scores_with(arrays, light, out);                                                                      \
-  }                                                                                                       \
-  constexpr LayerKernels k_##suffix{#suffix, form_##suffix, force_##suffix, scores_##suffix};
-
-TRIBOTRACK_VARIANT(baseline)
-TRIBOTRACK_VARIANT(avx2, TRIBOTRACK_AVX2)
-#undef TRIBOTRACK_VARIANT
-
-}  // namespace
-
-std::vector<LayerKernels> all_layer_kernels() {
-  return runnable(k_baseline, k_avx2);
-}
-
-const LayerKernels& layer_kernels() {
-  static const LayerKernels fastest = all_layer_kernels().back();
-  return fastest;
 }
 
 namespace {

@@ -1,5 +1,4 @@
-// The arithmetic of the layered registration over tiles of 8 x 8 pixels, compiled for several instruction
-// sets and chosen at run time.
+// The arithmetic of the layered registration over tiles of 8 x 8 pixels.
 #pragma once
 
 #include <array>
@@ -46,21 +45,9 @@ struct LayerForce {
 /// Sums of weight J_i J_j, i <= j, row after row of the upper triangle.
 using LayerNormal = std::array<double, kLayerColumns*(kLayerColumns + 1) / 2>;
 
-/// Sums of weight J r over each tile.
-using TileScores = std::vector<std::array<float, kLayerColumns>>;
-
-struct LayerKernels {
-  const char* name;
-  /// Sets weights (from 0 and 1 in `mask`), step_x, step_y, and returns the normal sums.
-  LayerNormal (*form)(LayerArrays& arrays, const std::vector<float>& mask, const LayerLight& light);
-  /// Sets `below` to what the share now is.
-  LayerForce (*force)(LayerArrays& arrays, const LayerLight& light);
-  void (*scores)(const LayerArrays& arrays, const LayerLight& light, TileScores& out);
-};
-
-/// The fastest this processor can run.
-const LayerKernels& layer_kernels();
-/// All it can run, slowest first: what tests compare.
-std::vector<LayerKernels> all_layer_kernels();
+/// Sets weights (from 0 and 1 in `mask`), step_x, step_y, and returns the normal sums.
+LayerNormal form_normal(LayerArrays& arrays, const std::vector<float>& mask, const LayerLight& light);
+/// Over the tiles `tile` .. `end` - 1. Sets `below` to what the share now is.
+LayerForce layer_force(LayerArrays& arrays, const LayerLight& light, std::size_t tile, std::size_t end);
 
 }  // namespace tribotrack::vision

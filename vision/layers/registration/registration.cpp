@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numbers>
 
 #include "vision/kernels/dense.h"
@@ -20,8 +19,6 @@ constexpr int kMaxIterations = 12;
 constexpr double kTrim = 5;         ///< sd: a pixel further off is something else (dust, a hand, a lamp)
 constexpr double kMaxTrim = 0.2;    ///< share of the pixels
 constexpr double kLeastSeen = 0.6;  ///< share of the informative pixels that must be in the picture
-constexpr double kStrangeEdge = 3;  ///< px about what covers the part that are half covered
-constexpr std::size_t kRowBytes = kTile * sizeof(float);
 constexpr double kMostTaken = 0.7;  ///< of few clusters' squares: what is left would scatter too much
 constexpr double kGroundGain =
     0.3;                         ///< sd of the ground's light before a frame is looked at: it hardly binds
@@ -32,10 +29,6 @@ double hold(double sd) {
 }
 
 }  // namespace
-
-LayeredRegistration::LayeredRegistration(const GroundPicture& ground, const LayerKernels& layers,
-                                         const TileKernels& tiles)
-    : ground_(ground), layer_kernels_(layers), tile_kernels_(tiles) {}
 
 void LayeredRegistration::set_part(const PartPictures& part, double frames) {
   half_ = part.half;
@@ -62,8 +55,8 @@ void LayeredRegistration::choose_pixels(const PartPictures& part, double frames)
   InformativeOptions options;
   const InterpolationNoise noise = quintic_noise(0);
   options.noise_square = 2 * noise.slope * noise.value / frames;
-  chosen_ = informative_pixels(x, y, inside, options);
-  places_ = cover_with_tiles(chosen_);
+  const Picture chosen = informative_pixels(x, y, inside, options);
+  places_ = cover_with_tiles(chosen);
   const std::size_t n = places_.size() * kTilePixels;
   mask_.assign(n, 0);
   for (TileArrays* a : {&arrays_.part, &arrays_.share, &arrays_.ground}) {
@@ -86,7 +79,7 @@ void LayeredRegistration::choose_pixels(const PartPictures& part, double frames)
       const std::size_t at = t * kTilePixels + k;
       arrays_.u[at] = static_cast<float>(i);
       arrays_.v[at] = static_cast<float>(j);
-      mask_[at] = i <= half_ && j <= half_ ? chosen_.at(i + half_, j + half_) : 0.0F;
+      mask_[at] = i <= half_ && j <= half_ ? chosen.at(i + half_, j + half_) : 0.0F;
       pixels_ += static_cast<double>(mask_[at]);
       if (!(mask_[at] > 0)) continue;
       const Eigen::Vector2d slope(x.at(i + half_, j + half_), y.at(i + half_, j + half_));
@@ -134,26 +127,12 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
   const int ix = static_cast<int>(std::floor(gx)), iy = static_cast<int>(std::floor(gy));
   const int near_x = static_cast<int>(std::lround(gx)), near_y = static_cast<int>(std::lround(gy));
   counts_ = mask_;
+  take_levels(picture, x0_ - x, y0_ - y, places_, 0, arrays_.level, counts_);
   double seen = 0;
   for (std::size_t t = 0; t < places_.size(); ++t) {
     const TilePlace& place = places_[t];
-    const int left = x0_ + place.x - x, top = y0_ + place.y - y;
-    float* level = arrays_.level.data() + t * kTilePixels;
-    float* counts = counts_.data() + t * kTilePixels;
+    const float* counts = counts_.data() + t * kTilePixels;
     float* unsure = arrays_.ground_variance.data() + t * kTilePixels;
-    const bool inside =
-        left >= 0 && top >= 0 && left + kTile <= picture.width() && top + kTile <= picture.height();
-    for (int j = 0; j < kTile; ++j)
-      if (inside) {
-        std::memcpy(level + j * kTile, picture.row(top + j).data() + left, kRowBytes);
-      } else {
-        for (int i = 0; i < kTile; ++i) {
-          const bool in =
-              left + i >= 0 && left + i < picture.width() && top + j >= 0 && top + j < picture.height();
-          level[j * kTile + i] = in ? picture.at(left + i, top + j) : 0.0F;
-          if (!in) counts[j * kTile + i] = 0;
-        }
-      }
     for (int j = 0; j < kTile; ++j) {
       const auto row = ground_.variance().row(std::clamp(near_y + place.y + j, 0, region.height - 1));
       for (int i = 0; i < kTile; ++i)
@@ -166,8 +145,7 @@ bool LayeredRegistration::take_picture(const Picture& picture, int x, int y, con
                                                std::clamp(iy + place.y, -8, region.height));
   }
   if (seen < kLeastSeen * pixels_) return false;
-  tile_kernels_.sample(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true,
-                       arrays_.ground);
+  sample_tiles(corners_, ground_.spline().stride(), spline_taps(gx - ix, gy - iy), 0, true, arrays_.ground);
   return true;
 }
 
@@ -192,19 +170,12 @@ void LayeredRegistration::take_variance(const Point& centre) {
 /// F and alpha (and the slopes of both) under the tiles for a centre.
 void LayeredRegistration::sample(const Point& centre, bool slopes) {
   const double x = half_ + x0_ - centre.x, y = half_ + y0_ - centre.y;
-  const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
-  const SplineTaps taps = spline_taps(x - ix, y - iy);
-  const auto each = [&](const QuinticSpline& spline, TileArrays& arrays, bool with_slopes) {
-    for (std::size_t t = 0; t < places_.size(); ++t)
-      corners_[t] = spline.coefficient(ix + places_[t].x, iy + places_[t].y);
-    tile_kernels_.sample(corners_, spline.stride(), taps, 0, with_slopes, arrays);
-  };
-  each(level_, arrays_.part, slopes);
-  each(share_, arrays_.share, slopes);
+  level_.sample_tiles(x, y, places_, corners_, 0, slopes, arrays_.part);
+  share_.sample_tiles(x, y, places_, corners_, 0, slopes, arrays_.share);
 }
 
 LayeredRegistration::Matrix LayeredRegistration::normal_matrix(const LightPrior& prior) {
-  const LayerNormal sums = layer_kernels_.form(arrays_, counts_, light_);
+  const LayerNormal sums = form_normal(arrays_, counts_, light_);
   const int n = kLayerColumns;
   Matrix normal(n, n);
   for (int i = 0, k = 0; i < n; ++i)
@@ -235,7 +206,7 @@ std::size_t LayeredRegistration::trim() {
     const float r = residual(i);
     strange[i] = arrays_.weight[i] * r * r > static_cast<float>(kTrim * kTrim) * usual;
   }
-  spread_outliers(places_, kStrangeEdge, strange);
+  spread_outliers(places_, strange);
   std::size_t count = 0;
   for (std::size_t i = 0; i < counts_.size(); ++i) {
     if (strange[i] == 0 || counts_[i] == 0) continue;
@@ -270,7 +241,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   bool converged = false;
   LayerForce sums;
   for (int iteration = 0; iteration < kMaxIterations && !converged; ++iteration) {
-    sums = layer_kernels_.force(arrays_, light_);
+    sums = layer_force(arrays_, light_, 0, arrays_.tiles);
     Vector force = Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data());
     force(kSlopeX) += hold(prior.sd) * (light_.gain * prior.slope_x - light_.slope_x);
     force(kSlopeY) += hold(prior.sd) * (light_.gain * prior.slope_y - light_.slope_y);
@@ -306,7 +277,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
     }
   }
   if (!converged) return std::nullopt;
-  sums = layer_kernels_.force(arrays_, light_);
+  sums = layer_force(arrays_, light_, 0, arrays_.tiles);
   s.gain = light_.gain + light_.slope_x * (s.centre.x - x0_) + light_.slope_y * (s.centre.y - y0_);
   s.slope_x = light_.slope_x / s.gain;
   s.slope_y = light_.slope_y / s.gain;
@@ -324,11 +295,13 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
 }
 
 ClusterPulls LayeredRegistration::cluster_pulls() {
-  layer_kernels_.scores(arrays_, light_, scores_);
-  const Eigen::Matrix<float, 2, Eigen::Dynamic> rows = inverse_of(normal_).topRows<2>().cast<float>();
+  const Eigen::Matrix<double, 2, kLayerColumns> rows = inverse_of(normal_).topRows<2>();
   ClusterPulls out(clusters_, Eigen::Vector2f::Zero());
-  for (std::size_t t = 0; t < scores_.size(); ++t)
-    out[cluster_[t]] += rows * Eigen::Map<const Eigen::Matrix<float, kLayerColumns, 1>>(scores_[t].data());
+  for (std::size_t t = 0; t < arrays_.tiles; ++t) {
+    const LayerForce sums = layer_force(arrays_, light_, t, t + 1);
+    out[cluster_[t]] +=
+        (rows * Eigen::Map<const Eigen::Matrix<double, kLayerColumns, 1>>(sums.force.data())).cast<float>();
+  }
   return out;
 }
 

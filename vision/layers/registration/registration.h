@@ -32,9 +32,8 @@ struct LayeredFix {
 
 class LayeredRegistration {
  public:
-  /// Keeps a reference. The kernels are the fastest, unless a test compares.
-  explicit LayeredRegistration(const GroundPicture& ground, const LayerKernels& layers = layer_kernels(),
-                               const TileKernels& tiles = tile_kernels());
+  /// Keeps a reference.
+  explicit LayeredRegistration(const GroundPicture& ground) : ground_(ground) {}
 
   /// Pictures learnt from so many frames: their noise is not information.
   void set_part(const PartPictures& part, double frames);
@@ -54,8 +53,6 @@ class LayeredRegistration {
   /// blur, which moves opposite edges against each other and the position not at all, is taken out first.
   std::optional<HalvesError> halves() const;
 
-  /// Which pixels of the part's grid take part: 1, else 0.
-  const Picture& chosen() const { return chosen_; }
   /// Pixels about the centre that refine() looks at.
   int reach() const { return half_ + 1; }
 
@@ -73,20 +70,16 @@ class LayeredRegistration {
   std::vector<TileSums> tile_sums() const;
 
   const GroundPicture& ground_;
-  LayerKernels layer_kernels_;
-  TileKernels tile_kernels_;
   int half_ = 0;
   QuinticSpline level_, share_;  ///< F and alpha
   Picture variance_;
 
   std::vector<TilePlace> places_;  ///< px from the centre's pixel
-  Picture chosen_;
-  std::vector<float> mask_;  ///< 1 where a pixel of a tile counts
+  std::vector<float> mask_;        ///< 1 where a pixel of a tile counts
   double pixels_ = 0;
   Eigen::Array2d share_taken_ = Eigen::Array2d::Zero();
   std::vector<std::size_t> cluster_;  ///< of each tile
   std::size_t clusters_ = 0;
-  TileScores scores_;
 
   // The frame at hand.
   int x0_ = 0, y0_ = 0;  ///< the centre's pixel

@@ -150,7 +150,7 @@ TEST_F(CampaignTest, AnSdStandsBesideItsQuantity) {
   EXPECT_EQ(json["platform"]["amplitude_mm_sd"], 0.001);
   EXPECT_TRUE(json["platform"]["gravity_m_s2_sd"].is_null());
   EXPECT_EQ(json["runs"][0]["phi_rad_sd"], 0.003);
-  EXPECT_EQ(json["runs"][0]["xi_axis_rad_sd"], 0.02);
+  EXPECT_EQ(json["camera"]["xi_axis_rad_sd"], 0.02);
 }
 
 TEST_F(CampaignTest, WhatNoLaboratoryHasIsRefused) {
@@ -174,8 +174,6 @@ TEST_F(CampaignTest, AnSdWithoutUseIsRefused) {
               HasSubstr("needs working_distance_mm"));
   EXPECT_THAT(complaint("[camera]\nworking_distance_mm = 100\nworking_distance_mm_sd = 1\n" + kRun),
               HasSubstr("needs height_mm"));
-  EXPECT_THAT(complaint("[part]\ndiameter_mm = 6\ndiameter_mm_sd = 0.1\ndiameter_sd_mm = 0.1\n" + kRun),
-              HasSubstr("mean the same"));
   EXPECT_THAT(complaint(kRun + "phase_at_zero_rad = 0\nphase_at_zero_rad_sd = 0.1\n"),
               HasSubstr("with a video"));
   EXPECT_THAT(complaint("[platform]\ntilt_x_rad = 0\ntilt_x_rad_sd = 0.001\n[fit]\nparameters = [\"mu1\", "
@@ -218,10 +216,10 @@ TEST_F(CampaignTest, SeveralPartsHaveCampaignsOfTheirOwn) {
   ASSERT_EQ(parts.size(), 2U);
   EXPECT_EQ(parts[0].part.name, "silver");
   ASSERT_EQ(parts[0].runs.size(), 1U);
-  EXPECT_EQ(parts[0].runs[0].disc_px->x, 1);
+  EXPECT_EQ(parts[0].runs[0].target.disc.x, 1);
   ASSERT_EQ(parts[1].runs.size(), 2U);
-  EXPECT_EQ(parts[1].runs[0].template_px->width, 60);
-  EXPECT_EQ(parts[1].runs[1].disc_px->radius, 7);
+  EXPECT_EQ(parts[1].runs[0].target.rectangle.width, 60);
+  EXPECT_EQ(parts[1].runs[1].target.disc.radius, 7);
   EXPECT_EQ(campaign_of_part(c, "steel").runs.size(), 2U);
   EXPECT_THAT(complaint_of([&] { campaign_of_part(c, ""); }), HasSubstr("silver, steel"));
   EXPECT_THAT(complaint_of([&] { campaign_of_part(c, "copper"); }), HasSubstr("silver, steel"));

@@ -46,18 +46,6 @@ TEST(CheckSection, OutlyingRunsAreNamedWithWhatTheyLookLike) {
   EXPECT_THAT(check_of(data), Not(HasSubstr("that would fit")));
 }
 
-TEST(CheckSection, RunsKeptOutStandWithWhatWasPredicted) {
-  ReportData data = sample::campaign();
-  EXPECT_THAT(check_of(data), Not(HasSubstr("Runs kept out")));
-  ReportRun& run = data.runs.front();
-  run.fitted.prediction = fit::RunResult::Prediction{4.2, 0.12};
-  run.fitted.residuals = {{"alpha_rad", 1.25, 1.23, 0.02, 1}, {"v_mm_s", 2.5, 2.4, 0.1, 1}};
-  EXPECT_THAT(
-      check_of(data),
-      HasSubstr("<td class=\"n\">1.250(20)</td><td class=\"n\">1.230</td><td class=\"n\">2.50(10)</td><td "
-                "class=\"n\">2.40</td><td class=\"n\">0.1</td>"));
-}
-
 TEST(CheckSection, ExplanationsStandBesideWhatWasAssumed) {
   ReportData data = sample::campaign();
   const fit::FitParameter mu1 = data.fit.parameters.front().parameter;

@@ -227,14 +227,6 @@ TEST(ReportFigures, PairsLieInTheirRegions) {
   }
 }
 
-TEST(ReportFigures, SharesOfTheBudgetAreThoseOfTheVariance) {
-  const Figure f = figure(campaign_figures(sample::campaign()), "budget-shares");
-  ASSERT_EQ(f.panels.size(), 3u);
-  const Json& bars = f.panels[0].traces[0];
-  EXPECT_THAT(bars["text"].get<Notes>(), testing::ElementsAre("tracking noise", "scale"));
-  EXPECT_NEAR(bars["x"][0].get<double>(), 100 * std::pow(0.00029 / 0.00031, 2), 1e-9);
-}
-
 TEST(ReportFigures, ARunOverTimeShowsWhereThePartWasLost) {
   const ReportData data = sample::campaign();
   const Figure f = run_figures(data, 7).front();

@@ -31,24 +31,6 @@ ReportData one_run() {
   return data;
 }
 
-TEST(RunSection, ARowSaysAllThatWasMeasured) {
-  EXPECT_THAT(
-      run_section(one_run()).html,
-      HasSubstr(
-          "<td class=\"n\">1</td><td><b>a</b></td><td class=\"n\" data-v=\"1.5707963267948966\">π/2</td><td "
-          "class=\"n\" data-v=\"1.0471975511965976\">π/3</td><td class=\"n\" data-v=\"1.2345\" "
-          "data-sd=\"0.012\">1.234(12)</td><td class=\"n\">1.230</td><td class=\"n\" data-v=\"2.5\" "
-          "data-sd=\"0.05\">2.500(50)</td>"
-          "<td class=\"n\">2.510</td><td class=\"n\">20</td><td class=\"n\">7 / 2 / 1 / 1</td>"
-          "<td class=\"n\">0.012</td><td>1000 Hz, camera header</td></tr>"));
-}
-
-TEST(RunSection, AFailedRunSaysWhy) {
-  ReportData data = one_run();
-  data.runs[0].failure = "a.cine is empty.";
-  EXPECT_THAT(run_section(data).html, HasSubstr("failed: a.cine is empty.</td></tr>"));
-}
-
 TEST(RunSection, RemarksOfOneCauseAreOneLine) {
   ReportData data = one_run();
   data.runs.push_back(data.runs[0]);
@@ -77,28 +59,6 @@ TEST(PictureSection, ThePathIsDrawnOverThePictureWithGaps) {
   EXPECT_THAT(html, HasSubstr("φ = π/2, Δτ = π/3"));
 }
 
-TEST(PictureSection, JpegIsToldFromPng) {
-  ReportData data = one_run();
-  data.runs[0].first_frame = {0xff, 0xd8, 0xff};
-  data.runs[0].track.width_px = data.runs[0].track.height_px = 10;
-  EXPECT_THAT(picture_section(data).html, HasSubstr("data:image/jpeg;base64,/9j/"));
-}
-
-TEST(PlanSection, StagesLeftOutComeWithTheirReasonAndError) {
-  ReportData data = one_run();
-  data.runs[0].track.plan = {{"rotation", false, "turns by 0.1°", 0.002},
-                             {"weights", false, "even light", 0},
-                             {"illumination", false, "brushed platform", {}},
-                             {"marker", true, "moves", {}}};
-  const std::string html = plan_section(data).html;
-  EXPECT_THAT(html, HasSubstr("1 a: 3 of 4 stages left out"));
-  EXPECT_THAT(html, HasSubstr("<td>rotation</td><td><b>left out</b></td><td>turns by 0.1°</td>"
-                              "<td>0.002 px</td>"));
-  EXPECT_THAT(html, HasSubstr("<td>even light</td><td>none</td>"));
-  EXPECT_THAT(html, HasSubstr("<td>brushed platform</td><td>not known</td>"));
-  EXPECT_EQ(plan_section(one_run()).html, "");
-}
-
 TEST(PlanSection, RunsWithTheSamePlanShareATable) {
   ReportData data = one_run();
   data.runs[0].track.plan = {{"rotation", false, "turns by 0.1°", {}}};
@@ -108,20 +68,6 @@ TEST(PlanSection, RunsWithTheSamePlanShareATable) {
   const std::string html = plan_section(data).html;
   EXPECT_THAT(html, HasSubstr("<summary>runs 1, 3: 1 of 1 stages left out</summary>"));
   EXPECT_THAT(html, HasSubstr("<summary>2 a: 0 of 1 stages left out</summary>"));
-}
-
-TEST(AuditSection, ARowOfRatiosForEachRunThatHasAny) {
-  ReportData data = one_run();
-  EXPECT_EQ(audit_section(data).html, "");  // a track of an earlier version, or a run measured elsewhere
-  data.runs[0].track.audit.halves_x = 1.42;
-  data.runs[0].track.audit.lag1 = -0.31;
-  data.runs[0].track.audit.white_factor = 4;
-  data.runs[0].track.audit.slow_sd = 0.0123;
-  EXPECT_THAT(audit_section(data).html,
-              HasSubstr("<b>a</b></td><td class=\"n\">1.42</td><td class=\"n\">–</td><td "
-                        "class=\"n\">–</td><td class=\"n\">-0.31</td><td "
-                        "class=\"n\">2.00</td><td "
-                        "class=\"n\">0.0123</td></tr>"));
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ TEST(ReportVerdict, TheExpectedRangeIsWrittenSoThatItsWidthIsSeen) {
 
 TEST(ReportVerdict, AGoodFitCanBeUsedAndSaysWhy) {
   const Verdict verdict = verdict_of(all_well());
-  EXPECT_EQ(verdict.trust, Trust::usable);
+  EXPECT_STREQ(verdict.style, "good");
   EXPECT_EQ(verdict.heading, "Can be used");
   EXPECT_THAT(verdict.paragraph,
               HasSubstr("The fit to 15 runs converged. χ² per degree of freedom is 0.978"));
@@ -38,9 +38,9 @@ TEST(ReportVerdict, IsThatOfTheFit) {
   ReportData data = all_well();
   data.fit.verdict = fit::Use::care;
   data.fit.verdict_reasons = {"the values hold under a tilt", "one run <a> contradicts the others"};
-  EXPECT_EQ(verdict_of(data).trust, Trust::with_care);
+  EXPECT_STREQ(verdict_of(data).style, "care");
   EXPECT_EQ(verdict_of(data).heading,
-            "Use with care: the values hold under a tilt; one run &lt;a&gt; contradicts the others");
+            "Use with care: the values hold under a tilt; one run <a> contradicts the others");
   data.runs[0].failure = "gone";
   EXPECT_THAT(verdict_of(data).heading, HasSubstr("others; one run failed"));
   data.fit.verdict = fit::Use::do_not_use;
@@ -52,7 +52,7 @@ TEST(ReportVerdict, IsThatOfTheFit) {
 }
 
 TEST(ReportVerdict, WithoutAFitItSpeaksOfMeasurementsOnly) {
-  EXPECT_EQ(verdict_of(ReportData{}).trust, Trust::no_fit);
+  EXPECT_STREQ(verdict_of(ReportData{}).style, "none");
 }
 
 }  // namespace

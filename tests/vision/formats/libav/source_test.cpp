@@ -119,9 +119,12 @@ TEST_F(LibavSourceTest, AVideoCutShortNeverLosesFramesInSilence) {
       write_bytes(file(name),
                   FileBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(
                                                                share * static_cast<double>(whole.size()))));
-      EXPECT_THAT(input_error(file(name)),
-                  AllOf(HasSubstr(name), AnyOf(HasSubstr("cut short"), HasSubstr("no video"))))
-          << share;
+      const std::string error = input_error(file(name));
+      if (error.empty())  // what was cut off was no frame
+        EXPECT_EQ(open_source(file(name))->info().frame_count, 40) << name << " " << share;
+      else
+        EXPECT_THAT(error, AllOf(HasSubstr(name), AnyOf(HasSubstr("cut short"), HasSubstr("no video"))))
+            << share;
     }
   }
 }

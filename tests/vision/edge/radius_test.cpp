@@ -1,6 +1,6 @@
 // What a chamfer hides of a disc's outer edge: closed forms where it does not show, a drawn ring where it
 // does.
-#include "vision/edge/chamfer.h"
+#include "vision/edge/radius.h"
 
 #include <gtest/gtest.h>
 

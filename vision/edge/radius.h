@@ -1,4 +1,4 @@
-// How far a disc's outer edge lies beyond the edge that the camera sees.
+// A disc's radius: that of the edge which the camera sees, and how far its outer edge lies beyond.
 //
 // Seen from above a chamfer is a ring about the part's top. As dark as the ground it hides the outer edge,
 // and a circle fitted to the rim has the top's radius; as bright as the top it hides the top's. With w its
@@ -13,6 +13,7 @@
 #include <optional>
 #include <vector>
 
+#include "vision/discs/disc_detection.h"
 #include "vision/frame_source.h"
 #include "vision/layers/first_pass.h"
 
@@ -23,6 +24,18 @@ struct OuterEdge {
   double widest = 0;                 ///< px: w where known or measured, else what would not show
   bool measured = false;             ///< c is seen
 };
+
+/// The edge that is seen, in the mean of some of the frames about the part's centres: noise averages out,
+/// what belongs to the disc and to the ground that stays beside it does not. Nothing where no whole rim
+/// shows.
+///
+/// Colour video is not linear in the light: it stores about its power 1 / 2.2, so the middle of a blurred
+/// edge, as stored, lies outside its true place on a bright disc (inside on a dark one), by
+///   kappa s,  kappa = -Phi^-1((h^2.2 - o^2.2) / (a^2.2 - o^2.2)),  h = (a + o) / 2,
+/// for stored levels a inside and o outside and the blur s. Whether a camera does this is not known: kappa
+/// counts half, with the spread of what lies between none and all of it.
+std::optional<DiscFit> seen_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+                                 double radius);
 
 /// `chamfer`: w in px if it is known. `frames` with the part's centres to a fraction of the blur; those of
 /// them are read, if any, that it takes to see a wide chamfer. `radius` is R_seen and `blur` that of its

@@ -1,21 +1,20 @@
-#include "vision/discs/mean_radius.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
+#include "vision/edge/radius.h"
 #include "vision/layered_scenes.h"
 
 namespace tribotrack::vision {
 namespace {
 
-/// The radius as tracking a plain platform finds it, with the disc at its true places.
-std::optional<MeanRadius> watch(const test::SlidingScene& s, double radius) {
-  test::SceneSource source(s);
-  RimWatch rim({0, 0, radius}, 5);
-  for (int k = 0; k < s.frames; ++k) rim.see(source, k, s.truth(k));
-  return rim.radius();
+/// The edge as seen in `count` frames, with the disc at its true places.
+template <class Place>
+std::optional<DiscFit> seen_in(FrameSource& source, int count, double radius, const Place& place) {
+  std::vector<FirstPassFrame> frames;
+  for (int k = 0; k < count; ++k) frames.push_back({k, place(k), {}});
+  return seen_edge(source, frames, radius);
 }
 
 struct SlidingDisc {
@@ -40,34 +39,6 @@ struct SlidingDisc {
   }
 };
 
-TEST(RimWatchCampaign, DISABLED_ManyFramesTellTheRadiusWhateverTheLampDoes) {
-  double squares = 0;
-  int count = 0;
-  for (const double highlight : {0.0, 25.0, -30.0})
-    for (const double radius : {29.7, 30.2, 45.4}) {
-      test::SlidingScene s;
-      s.frames = 60;
-      s.scene.width = 300;
-      s.scene.height = 130;
-      s.scene.read_noise = 2;
-      s.scene.seed = static_cast<std::uint64_t>(100 + count);
-      s.scene.platform.texture_rms = 0;
-      s.scene.disc.radius_px = radius;
-      s.scene.disc.highlight = highlight;
-      const auto mean = watch(s, radius);
-      ASSERT_TRUE(mean);
-      EXPECT_NEAR(mean->radius, radius, 0.005) << highlight;
-      EXPECT_LT(mean->sd, highlight == 0 ? 0.0025 : 0.005);
-      std::printf("highlight %g, radius %g: error %+.5f, sd %.5f px\n", highlight, radius,
-                  mean->radius - radius, mean->sd);
-      squares += std::pow((mean->radius - radius) / mean->sd, 2);
-      ++count;
-    }
-  std::printf("radius from 12 frames: rms of standardised errors %.3f\n", std::sqrt(squares / count));
-  EXPECT_LT(std::sqrt(squares / count), 1.7);  // chi-squared of 9, once in 1000
-  EXPECT_GT(std::sqrt(squares / count), 0.35);
-}
-
 // A disc that stays over one place of a textured platform: all frames see the same ground beyond the rim. The
 // sd is that of few independent stretches of the rim, its square is right on average; what a highlight may do
 // is held by a bound, so that there it is too large rather than too small.
@@ -83,12 +54,13 @@ void expect_sd_over_ground(double texture, double highlight, double radius) {
     s.scene.platform.texture_rms = texture;
     s.scene.disc.radius_px = radius + 0.013 * k;
     s.scene.disc.highlight = highlight;
-    const auto mean = watch(s, s.scene.disc.radius_px);
+    test::SceneSource source(s);
+    const auto mean = seen_in(source, s.frames, s.scene.disc.radius_px, [&](int n) { return s.truth(n); });
     ASSERT_TRUE(mean);
-    const double error = mean->radius - s.scene.disc.radius_px;
+    const double error = mean->circle.radius - s.scene.disc.radius_px;
     sum += error / kCount;
     squares += error * error / kCount;
-    variance += mean->sd * mean->sd / kCount;
+    variance += mean->radius_sd * mean->radius_sd / kCount;
   }
   const double ratio = std::sqrt(squares / variance);
   std::printf("texture %g, highlight %g, radius %g: mean error %+.4f px, rms %.4f, over sd %.2f\n", texture,
@@ -97,14 +69,8 @@ void expect_sd_over_ground(double texture, double highlight, double radius) {
   EXPECT_LT(ratio, 1.45);
 }
 
-TEST(RimWatch, KnowsWhatTheGroundBeyondTheRimDoes) {
+TEST(SeenEdge, KnowsWhatTheGroundBeyondTheRimDoes) {
   expect_sd_over_ground(6, 0, 11.3);
-}
-
-TEST(RimWatchCampaign, DISABLED_KnowsWhatTheGroundBeyondTheRimDoesToDiscsOfAnySize) {
-  for (const double texture : {0.0, 6.0})
-    for (const double highlight : {0.0, 15.0})
-      for (const double radius : {9.5, 11.3, 14.8, 29.2}) expect_sd_over_ground(texture, highlight, radius);
 }
 
 /// A disc that comes to rest under a shutter that is always open, its light stored as such or to a power.
@@ -138,48 +104,25 @@ void expect_radius_under_blur(bool colour, double speed) {
   for (const double radius : {8.7, 15.3}) {
     SlidingDisc disc(radius, speed, static_cast<std::uint64_t>(10 + count));
     SmearedSource source(disc, colour ? 1 / 2.2 : 1, colour);
-    RimWatch rim({0, 0, radius}, 2);
-    for (int k = 0; k < SlidingDisc::kFrames; ++k) rim.see(source, k, disc.pose(k).disc);
-    const auto mean = rim.radius();
+    const auto mean = seen_in(source, SlidingDisc::kFrames, radius, [&](int k) { return disc.pose(k).disc; });
     ASSERT_TRUE(mean);
     std::printf("%s, %g px a frame at first, radius %g: error %+.4f, sd %.4f px\n",
-                colour ? "colour" : "linear", speed, radius, mean->radius - radius, mean->sd);
-    squares += std::pow((mean->radius - radius) / mean->sd, 2);
-    worst = std::max(worst, std::abs(mean->radius - radius) / radius);
+                colour ? "colour" : "linear", speed, radius, mean->circle.radius - radius, mean->radius_sd);
+    squares += std::pow((mean->circle.radius - radius) / mean->radius_sd, 2);
+    worst = std::max(worst, std::abs(mean->circle.radius - radius) / radius);
     ++count;
   }
   EXPECT_LT(std::sqrt(squares / count), 2.2);
   EXPECT_LT(worst, colour ? 0.015 : 0.002);
 }
 
-TEST(RimWatch, HoldsUnderMotionBlur) {
+TEST(SeenEdge, HoldsUnderMotionBlur) {
   expect_radius_under_blur(false, 1.5);
 }
 
-TEST(RimWatchCampaign, DISABLED_HoldsUnderMotionBlurHoweverTheLightIsStored) {
+TEST(SeenEdgeCampaign, DISABLED_HoldsUnderMotionBlurHoweverTheLightIsStored) {
   for (const bool colour : {false, true})
     for (const double speed : {0.0, 1.5, 4.0}) expect_radius_under_blur(colour, speed);
-}
-
-TEST(MeanRadius, WhatBelongsToTheDiscDoesNotAverageOut) {
-  DiscFit fit;
-  fit.circle.radius = 30;
-  fit.white_radius_sd = 1e-4;
-  for (int k = 0; k < 36; ++k) fit.sector_pull.push_back(k % 2 == 0 ? 0.001 : -0.001);
-  const double once = mean_radius({&fit, 1}).sd;
-  const std::vector<DiscFit> often(50, fit);
-  EXPECT_NEAR(mean_radius(often).sd, once, 1e-12);
-  EXPECT_NEAR(once, 0.001 * 36 / std::sqrt(33.0), 1e-9);  // 36 sectors; their mean and the centre taken off
-}
-
-TEST(MeanRadius, AnUnevenDiscLeavesWhatNoRecordingAveragesOut) {
-  DiscFit fit;
-  fit.circle.radius = 30;
-  fit.white_radius_sd = 1e-3;
-  fit.unevenness = 0.1;
-  const MeanRadius mean = mean_radius(std::vector<DiscFit>(10'000, fit));
-  EXPECT_NEAR(mean.common_sd, 0.002, 1e-12);
-  EXPECT_NEAR(mean.sd, std::hypot(0.002, 1e-5), 1e-9);
 }
 
 }  // namespace

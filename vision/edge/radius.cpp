@@ -1,0 +1,125 @@
+#include "vision/edge/radius.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "vision/edge/samples.h"
+#include "vision/io/levels.h"
+
+namespace tribotrack::vision {
+namespace {
+
+constexpr double kShows = 3;       ///< px: three blurs of a lens that is as sharp as its pixels
+constexpr double kWidest = 0.07;   ///< of the radius: chamfers of turned and punched parts reach so far
+constexpr std::size_t kMost = 32;  ///< frames: their mean's noise is below what no field explains
+constexpr double kCell = 0.5;      ///< px: as a quarter of one to some hundredths of a pixel of the edge
+constexpr int kBeyondSeen = 4;     ///< px beyond the widest chamfer that are looked at
+constexpr double kBorder = 8;      ///< px about the disc that its fit sees, or that an interpolation takes
+constexpr double kCapture = 1;     ///< px; the track is far better
+constexpr double kWhole = 0.8;     ///< of the rim; what covers more shows in the radius
+constexpr double kTransfer = 2.2;  ///< the light's exponent in stored levels, inverted
+constexpr double kOfBlur = 0.5;    ///< what the likelihood of fields that are not Gaussian leaves of an edge
+
+/// Rings of each width about where an edge is seen. The likelihood has a minimum for each of the edges that a
+/// ring's can be taken for: half a pixel wide at the sharpest.
+std::vector<RimOptics> rings(double widest, double blur) {
+  std::vector<RimOptics> out;
+  for (double width = 0; width <= widest + 0.5; width += 0.5)
+    for (double edge = width / 2 - 1; edge <= width + 1; edge += 0.25) out.push_back({edge, blur, width});
+  return out;
+}
+
+/// Calls act(picture, window, centre) for some of the frames that show all within `reach` px of the centre.
+template <class Act>
+void each_of_some(FrameSource& source, const std::vector<FirstPassFrame>& frames, double reach,
+                  const Act& act) {
+  const std::size_t step = std::max<std::size_t>(1, frames.size() / kMost);
+  Picture picture;
+  for (std::size_t k = 0; k < frames.size(); k += step) {
+    const Point& c = frames[k].centre;
+    const Rect window = window_about(c, reach, source.bounds());
+    if (window.width < 2 * reach || window.height < 2 * reach) continue;
+    source.read(frames[k].index, window, picture);
+    act(picture, window, c);
+  }
+}
+
+std::optional<RimOptics> optics_of_mean(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+                                        double radius, double blur, double noise_variance) {
+  RayGrid grid = ray_grid(radius);
+  grid.outside = kBeyondSeen + static_cast<int>(std::ceil(kWidest * radius));
+  RaySampler sampler(grid);
+  std::vector<float> mean(grid.size(), 0), level(grid.size());
+  std::size_t count = 0;
+  each_of_some(source, frames, grid.reach() + kBorder,
+               [&](const Picture& picture, const Rect& window, const Point& centre) {
+                 sampler.sample(QuinticSpline(picture), window, centre, {level.data(), nullptr, nullptr});
+                 for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += level[i];
+                 ++count;
+               });
+  if (count == 0) return std::nullopt;
+  for (float& m : mean) m /= static_cast<float>(count);
+  const RaySamples rays = samples_of_mean(grid, mean, noise_variance, count);
+  return likeliest_optics(RayFields(grid, kCell), rays, rings(kWidest * radius, blur),
+                          RayFields::Beside::chamfer);
+}
+
+/// t with Phi(t) = share.
+double normal_quantile(double share) {
+  double low = -6, high = 6;
+  while (high - low > 1e-9) {
+    const double middle = 0.5 * (low + high);
+    (0.5 * std::erfc(-middle / std::numbers::sqrt2) < share ? low : high) = middle;
+  }
+  return low;
+}
+
+/// kappa, for levels stored by the light's power.
+double stored_shift(const DiscFit& fit, double black) {
+  const double out = std::max(0.0, fit.outside - black), in = std::max(0.0, out + fit.contrast);
+  const auto light = [](double level) { return std::pow(level, kTransfer); };
+  return -normal_quantile((light(0.5 * (in + out)) - light(out)) / (light(in) - light(out)));
+}
+
+}  // namespace
+
+std::optional<DiscFit> seen_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+                                 double radius) {
+  const int half = static_cast<int>(std::ceil(radius + std::max<double>(kBorder, 0.2 * radius)));
+  const int size = 2 * half + 1;
+  Picture mean(size, size), level(size, size);
+  float count = 0;
+  each_of_some(source, frames, half + 1,
+               [&](const Picture& picture, const Rect& window, const Point& centre) {
+                 QuinticSpline(picture).sample_window(centre.x - half - window.x, centre.y - half - window.y,
+                                                      size, size, level.levels().data(), nullptr, nullptr);
+                 for (std::size_t i = 0; i < level.levels().size(); ++i)
+                   mean.levels()[i] += level.levels()[i];
+                 ++count;
+               });
+  if (!(count > 1)) return std::nullopt;
+  for (float& l : mean.levels()) l /= count;
+  const double middle = half;
+  auto fit = fit_disc(mean, {middle, middle, radius}, kCapture, RimUse::mean_radius);
+  if (!fit || fit->coverage < kWhole) return std::nullopt;
+  if (!source.info().colour) return fit;
+  const double shift = stored_shift(*fit, source.info().black_level.value_or(0)) * fit->blur;
+  fit->circle.radius -= 0.5 * shift;
+  fit->common_sd = std::hypot(fit->common_sd, shift / std::sqrt(12.0));
+  fit->radius_sd = std::hypot(fit->radius_sd, shift / std::sqrt(12.0));
+  return fit;
+}
+
+OuterEdge outer_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames, double radius,
+                     double blur, double noise_variance, std::optional<double> chamfer) {
+  if (chamfer) return {0.5 * *chamfer, *chamfer / std::sqrt(12.0), *chamfer, false};
+  const double widest = std::min(kWidest * radius, kShows);
+  if (kWidest * radius > kShows)
+    if (const auto rim = optics_of_mean(source, frames, radius, blur, noise_variance);
+        rim && rim->chamfer > kShows)
+      return {rim->edge, kOfBlur * rim->blur, rim->chamfer, true};
+  return {widest / 3, widest / std::sqrt(18.0), widest, false};
+}
+
+}  // namespace tribotrack::vision
