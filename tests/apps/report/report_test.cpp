@@ -132,10 +132,8 @@ TEST_F(ReportOfARun, ALaterReportIsTheSamePage) {
     EXPECT_NEAR(reach, seen.value("amplitude_mm").value * std::sin(half) / half, 1e-12);
     EXPECT_NEAR(lit_width(seen.modelled_lamp), seen.value("dtau_rad").value, 0.02);
   }
-}
 
-// As where an oscilloscope gave the width: the line drawn is that of the number beside it.
-TEST_F(ReportOfARun, TheGateDrawnIsTheGateMeasured) {
+  // As where an oscilloscope gave the width: the line drawn is that of the number beside it.
   Json measured = read_json(folder().measurement("a"));
   const double wider = measured["dtau_rad"].get<double>() + 0.3;
   measured["dtau_rad"] = wider;

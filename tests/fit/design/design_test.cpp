@@ -54,8 +54,7 @@ TEST(Profile, ABetterOptimumRestartsThem) {
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   for (const auto& s : test::fourteen({}))
-    if (s.friction.phase < 0.5)
-      problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random));
+    if (s.friction.phase < 0.5) problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random));
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   const Eigen::Vector3d truth(0.1, 0.0125, 0.1);

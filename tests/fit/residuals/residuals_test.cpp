@@ -93,17 +93,6 @@ TEST(Residuals, ScatterBetweenRunsIsAddedToTheirCovariance) {
   EXPECT_TRUE(residuals.covariance(0).isApprox(known + 9e-8 * Eigen::Matrix2d::Identity(), 1e-12));
 }
 
-// A lag of 1 rad and a delay of 1/w move the pulses alike: so do equal steps of the optimiser.
-TEST(Residuals, StepsOfADelayAreThoseOfALag) {
-  Problem problem;
-  problem.free = {FitParameter::lag, FitParameter::delay};
-  problem.summary_runs = {test::summary_run(test::scenario({}, 0.4, 1.1), 0.02, 0.1e-3)};
-  const Unknowns unknowns(problem);
-  const double w = problem.summary_runs[0].scenario.drive.angular_frequency;
-  EXPECT_NEAR(unknowns.transform(0).slope(0), 1, 1e-12);
-  EXPECT_NEAR(w * unknowns.transform(1).slope(0), 1, 1e-12);
-}
-
 // Noise of a point and scatter between points add up as variances: of independent points chi^2 falls by their
 // ratio.
 TEST(Residuals, ScatterBetweenPointsIsAddedToTheirNoise) {

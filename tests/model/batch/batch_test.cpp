@@ -310,14 +310,5 @@ TEST(Batch, TellsHowFarItIs) {
   EXPECT_GT(calls, 10u);
 }
 
-/// What stops the caller's own progress report stops the batch.
-TEST(Batch, AnExceptionOfTheCallerEndsTheWork) {
-  const auto scenarios = typical_sweep(200);
-  BatchOptions options;
-  options.threads = 2;
-  options.progress = [](std::size_t, std::size_t) { throw std::runtime_error("enough"); };
-  EXPECT_THROW(solve_batch(scenarios, options), std::runtime_error);
-}
-
 }  // namespace
 }  // namespace tribotrack::model
