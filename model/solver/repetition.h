@@ -31,18 +31,22 @@ class Shrinking {
   /// own rounding adds up to, no longer shrinking, and after a contraction that leaves no doubt about where
   /// it led; a stop on the way leaves none at once. Gaps come in their order, of the first none is `before`.
   bool settled(double gap, double before, double steps, bool stopped) {
-    const double rounding = 2.3e-16 * (4 + 0.25 * steps);
+    rounding_ = 2.3e-16 * (4 + 0.25 * steps);
     if (stopped) {
       contraction_ = 0;
-    } else if (gap > rounding) {
+    } else if (gap > rounding_) {
       const double ratio = gap / before;
       contraction_ = contraction_ < HUGE_VAL ? std::sqrt(contraction_ * ratio) : ratio;
     }
-    return gap <= rounding && gap > 0.5 * before && contraction_ < 0.75;
+    return gap <= rounding_ && gap > 0.5 * before && contraction_ < 0.75;
+  }
+  /// Of the displacement of `copies` further cycles: all of them begin within (gap + rounding)/(1 - q).
+  double error(double gap, double copies) const {
+    return 2 * M_PI * (gap + rounding_) / (1 - contraction_) * copies;
   }
 
  private:
-  double contraction_;
+  double contraction_, rounding_ = 0;
 };
 
 }  // namespace tribotrack::model::internal

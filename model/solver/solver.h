@@ -32,6 +32,8 @@ class Solver {
   const ScaledDrive<T>& drive() const { return part_.drive(); }
   const T& kappa(bool reduced) const { return part_.kappa(reduced); }
   const StepCounts& counts() const { return part_.counts; }
+  /// Of X at the end, from cycles that were not integrated.
+  double error_bound() const { return error_bound_; }
 
  private:
   struct CycleStart {
@@ -50,15 +52,17 @@ class Solver {
     return (part_.position() - start.x) + Pair<T>{T(now.x - then.x), T(now.y - then.y)};
   }
   double source_cycle(double cycle) const {
-    return cycle >= repeat_from_ && cycle < in_.cycles ? repeat_from_ - 1 : cycle;
+    return cycle >= repeat_from_ && cycle < repeat_to_ ? repeat_from_ - 1 : cycle;
   }
 
   SolverInput<T> in_;
   Stepper<T> part_;
-  double repeat_from_ = HUGE_VAL;  ///< the whole cycles from this one on are copies of the one before
+  // Cycles repeat_from_ .. repeat_to_ - 1 are copies of the one before.
+  double repeat_from_ = HUGE_VAL, repeat_to_ = HUGE_VAL;
   Pair<T> repeat_drift_;
   CycleStart last_start_;
   Shrinking shrinking_;
+  double error_bound_ = 0;
 };
 
 template <class T>
@@ -128,9 +132,12 @@ void Solver<T>::skip_repeating_cycles() {
   const bool exact = same(u.x, before.u.x) && same(u.y, before.u.y);
   const bool settled = shrinking_.settled(gap, before.gap, static_cast<double>(now.steps - then.steps),
                                           now.stops > then.stops);
+  const double error = settled && !exact ? shrinking_.error(gap, copies) : copying_error(gap, q, copies);
   const bool close = settled || gap <= 4e-16 * scale || (q < 1 && gap <= (1 - q) * allowed);
   if (exact || (close && same_derivatives(u, before.u, in_.tolerance))) {
+    error_bound_ = error;
     repeat_from_ = part_.cycle();
+    repeat_to_ = in_.cycles;
     repeat_drift_ = drift_since(before);
     part_.skip(copies, u, T(copies) * repeat_drift_);
     part_.counts.stops += copies * (now.stops - then.stops);
