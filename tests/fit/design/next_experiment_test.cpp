@@ -11,6 +11,7 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::fit {
 namespace {
