@@ -1,6 +1,7 @@
 #include "model/arcs/arc.h"
 
-#include <boost/math/special_functions/legendre.hpp>
+#include <cmath>
+#include <numbers>
 
 namespace tribotrack::model::internal {
 
@@ -17,16 +18,26 @@ void legendre(Real x, int count, Real* p) {
                static_cast<Real>(k + 1);
 }
 
+/// The i-th root of P_n from below, by Newton's method.
+Real legendre_root(int i) {
+  Real x =
+      -std::cos(std::numbers::pi_v<Real> * (static_cast<Real>(i) + 0.75L) / (static_cast<Real>(n) + 0.5L));
+  for (int k = 0; k < 20; ++k) {
+    Real p[n + 2];
+    legendre(x, n + 1, p);
+    x -= p[n] * (x * x - 1) / (static_cast<Real>(n) * (x * p[n] - p[n - 1]));
+  }
+  return x;
+}
+
 GaussTable make_table() {
   constexpr int pairs = GaussTable::kPairs;
   GaussTable g{};
   Real x[n], weight[n];
   Real p[n][n + 2];
   Real a[n][n];
-  const auto roots = boost::math::legendre_p_zeros<Real>(n);  // those above 0, from the least
   for (int i = 0; i < n; ++i) {
-    x[i] = i < pairs ? -roots[static_cast<std::size_t>(pairs - 1 - i)]
-                     : roots[static_cast<std::size_t>(i - pairs)];
+    x[i] = legendre_root(i);
     legendre(x[i], n + 2, p[i]);
     weight[i] = (1 - x[i] * x[i]) / (static_cast<Real>(n * n) * p[i][n - 1] * p[i][n - 1]);
   }
