@@ -8,7 +8,6 @@ namespace tribotrack::model::internal {
 namespace {
 
 using Real = long double;
-constexpr int n = GaussTable::kNodes;
 
 void legendre(Real x, int count, Real* p) {
   p[0] = 1;
@@ -19,25 +18,26 @@ void legendre(Real x, int count, Real* p) {
 }
 
 /// The i-th root of P_n from below, by Newton's method.
-Real legendre_root(int i) {
+Real legendre_root(int n, int i) {
   Real x =
       -std::cos(std::numbers::pi_v<Real> * (static_cast<Real>(i) + 0.75L) / (static_cast<Real>(n) + 0.5L));
   for (int k = 0; k < 20; ++k) {
-    Real p[n + 2];
+    Real p[GaussTable::kMaxNodes + 2];
     legendre(x, n + 1, p);
     x -= p[n] * (x * x - 1) / (static_cast<Real>(n) * (x * p[n] - p[n - 1]));
   }
   return x;
 }
 
-GaussTable make_table() {
-  constexpr int pairs = GaussTable::kPairs;
+GaussTable make_table(int pairs) {
+  const int n = 2 * pairs;
   GaussTable g{};
-  Real x[n], weight[n];
-  Real p[n][n + 2];
-  Real a[n][n];
+  g.pairs = pairs;
+  Real x[GaussTable::kMaxNodes], weight[GaussTable::kMaxNodes];
+  Real p[GaussTable::kMaxNodes][GaussTable::kMaxNodes + 2];
+  Real a[GaussTable::kMaxNodes][GaussTable::kMaxNodes];
   for (int i = 0; i < n; ++i) {
-    x[i] = legendre_root(i);
+    x[i] = legendre_root(n, i);
     legendre(x[i], n + 2, p[i]);
     weight[i] = (1 - x[i] * x[i]) / (static_cast<Real>(n * n) * p[i][n - 1] * p[i][n - 1]);
   }
@@ -77,24 +77,25 @@ GaussTable make_table() {
 
 /// Divisions would take most of the time of integrals_to.
 struct Inverse {
-  double of_integers[n + 3] = {}, of_integrals[n + 1] = {};
+  double of_integers[GaussTable::kMaxNodes + 3] = {}, of_integrals[GaussTable::kMaxNodes + 1] = {};
   constexpr Inverse() {
-    for (int k = 1; k < n + 3; ++k) of_integers[k] = 1.0 / k;
-    for (int k = 0; k <= n; ++k) of_integrals[k] = 1.0 / (4 * k + 2);
+    for (int k = 1; k < GaussTable::kMaxNodes + 3; ++k) of_integers[k] = 1.0 / k;
+    for (int k = 0; k <= GaussTable::kMaxNodes; ++k) of_integrals[k] = 1.0 / (4 * k + 2);
   }
 };
 constexpr Inverse kInverse;
 
 }  // namespace
 
-const GaussTable& GaussTable::get() {
-  static const GaussTable table = make_table();
-  return table;
+const GaussTable& GaussTable::of_pairs(int pairs) {
+  static const GaussTable few = make_table(3), many = make_table(7);
+  return pairs == 3 ? few : many;
 }
 
 void GaussTable::integrals_to(double c, double* once, double* twice) const {
+  const int n = 2 * pairs;
   // The integral of P_k is (P_k+1 - P_k-1)/(4k + 2), that of P_0 is c.
-  double p[n + 3], first[n + 2];
+  double p[kMaxNodes + 3], first[kMaxNodes + 2];
   const double x = 2 * c - 1;
   p[0] = 1;
   p[1] = x;

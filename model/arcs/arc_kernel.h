@@ -33,11 +33,11 @@ template <class Set, class V>
 
 /// U at the nodes solves U_i = W_i - kappa h sum_j a_ij n_j, n = U/|U|, W = start + integral of the drive
 /// (exact). Picard sweeps: each brings a factor of about (kappa h/|U|)/(number of the sweep).
-template <class Set>
+template <class Set, int L>
 struct ArcKernel {
-  static constexpr int kPairs = GaussTable::kPairs, kNodes = GaussTable::kNodes, L = GaussTable::kLanes;
   using V = Lanes<L>;
   using Math = LaneMath<Set, L>;
+  static constexpr int kPairs = L - 1, kNodes = 2 * kPairs;
   /// Share of the last Legendre coefficient that the velocity between the nodes is off by.
   static constexpr double kWithin = 0.02;
   static constexpr int kMaxSweeps = 48, kSweepsToGain = 16;
@@ -207,7 +207,7 @@ struct ArcKernel {
   template <int C>
   static void differentiate(const GaussTable& g, const ArcInput& in, const Solution& u, ArcColumns& d) {
     constexpr int kWidth = C < 8 ? C : 8, kParts = C / kWidth;
-    constexpr int kStride = 16;
+    constexpr int kStride = kNodes <= 8 ? 8 : 16;
     using Part = Lanes<kWidth>;
     using RowMath = LaneMath<Set, 8>;
     using PartMath = LaneMath<Set, kWidth>;

@@ -28,18 +28,19 @@ class ArcMemory {
 
   /// Where the arc from s over `span` is to leave its trace (null: nowhere), and whether the last cycle left
   /// one of the same stretch.
-  ArcTrace* find(double s, double span, bool reduced, bool& known) {
+  ArcTrace* find(double s, double span, bool reduced, int pairs, bool& known) {
     known = false;
     if (s <= last_) next_ = 0;
     while (next_ < count_ && arcs_[next_].s < s) ++next_;
     last_ = s;
     if (next_ == kMost) return nullptr;
     Arc& arc = arcs_[next_];
-    known = next_ < count_ && arc.s == s && arc.span == span && arc.reduced == reduced;
+    known = next_ < count_ && arc.s == s && arc.span == span && arc.reduced == reduced && arc.pairs == pairs;
     if (!known) {
       arc.s = s;
       arc.span = span;
       arc.reduced = reduced;
+      arc.pairs = pairs;
       count_ = std::max(count_, next_ + 1);
     }
     return &arc.trace;
@@ -58,6 +59,7 @@ class ArcMemory {
   struct Arc {
     double s, span;
     bool reduced;
+    int pairs;
     ArcTrace trace;
   };
   std::array<Arc, kMost> arcs_;
@@ -84,6 +86,7 @@ class ArcStepper {
   bool advance(double& s, double target, const T& kappa, double slowest, Pair<T>& u, Pair<T>& moved);
   /// U/|U| at node i of the last arc.
   Pair<T> direction(int i) const;
+  const GaussTable& table() const { return table_; }
   /// To remember in `memory` and to begin with what it knows.
   void share(ArcMemory& memory) {
     memory_ = &memory;
@@ -99,6 +102,7 @@ class ArcStepper {
 
   const ScaledDrive<T>& drive_;
   double tolerance_;
+  const GaussTable& table_;
   ArcSolver solver_;
   double growth_;     ///< of the truncation error when an arc is made kLonger times as long
   double shrinking_;  ///< of an arc by its error
@@ -112,20 +116,25 @@ class ArcStepper {
   double too_slow_ = 0;  ///< speed at which no arc would do, since the last switch
 };
 
-/// Arcs are about a power of the tolerance long.
-inline constexpr double kUsualArc = 5.8, kUsualOrder = 0.048;
+/// Arcs of 6 and of 14 nodes are about a power of the tolerance long.
+inline constexpr double kUsualArc[] = {4.2, 5.8}, kUsualOrder[] = {0.12, 0.048};
 inline constexpr double kShortestArc = 1e-3;
 /// kappa h/|U| up to which Picard sweeps pay.
 inline constexpr double kSweepable = 5;
 inline constexpr double kLonger = 1.25;
+/// Looser tolerances are served by 6 nodes, tighter ones by 14.
+inline constexpr double kFewNodesTolerance = 1e-6;
+
 template <class T>
 ArcStepper<T>::ArcStepper(const ScaledDrive<T>& drive, double tolerance, bool keep)
     : drive_(drive),
       tolerance_(tolerance),
-      solver_(kernels().arc),
-      growth_(std::pow(kLonger, keep ? GaussTable::kNodes : 2 * GaussTable::kNodes + 1)),
-      shrinking_(1.0 / (keep ? GaussTable::kNodes : 2 * GaussTable::kNodes + 1)),
-      first_arc_(std::fmin(kLongestArc, kUsualArc * std::pow(tolerance, kUsualOrder))) {
+      table_(GaussTable::of_pairs(tolerance >= kFewNodesTolerance && !keep ? 3 : 7)),
+      solver_(table_.pairs == 3 ? kernels().arcs.few : kernels().arcs.many),
+      growth_(std::pow(kLonger, keep ? 2 * table_.pairs : 4 * table_.pairs + 1)),
+      shrinking_(1.0 / (keep ? 2 * table_.pairs : 4 * table_.pairs + 1)),
+      first_arc_(std::fmin(
+          kLongestArc, kUsualArc[table_.pairs == 7] * std::pow(tolerance, kUsualOrder[table_.pairs == 7]))) {
   forget();
   in_.keep = keep;
   columns_.count = N <= 4 ? 4 : N <= 8 ? 8 : 16;
@@ -151,7 +160,7 @@ bool ArcStepper<T>::advance(double& s, double target, const T& kappa, double slo
     in_.resolution = tolerance_;
     in_.slowest = slowest;
     in_.rounding = 2.5e-16 / (speed * speed);
-    in_.trace = memory_->find(s, in_.span, reduced_, in_.traced);
+    in_.trace = memory_->find(s, in_.span, reduced_, table_.pairs, in_.traced);
     solve(s, kappa, u);
     if (out_.converged && out_.slowest < slowest) {
       memory_->drop();
@@ -191,7 +200,7 @@ void ArcStepper<T>::solve(double s, const T& kappa, const Pair<T>& u) {
   in_.kappa = value(kappa);
   in_.velocity = {value(u.x), value(u.y)};
   if constexpr (N == 0) {
-    solver_(GaussTable::get(), in_, out_, nullptr);
+    solver_(table_, in_, out_, nullptr);
   } else {
     for (int j = 0; j < N; ++j) {
       columns_.kappa[j] = kappa.d[j];
@@ -207,7 +216,7 @@ void ArcStepper<T>::solve(double s, const T& kappa, const Pair<T>& u) {
       columns_.q.x[j] = q.x;
       columns_.q.y[j] = q.y;
     }
-    solver_(GaussTable::get(), in_, out_, &columns_);
+    solver_(table_, in_, out_, &columns_);
   }
 }
 

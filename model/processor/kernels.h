@@ -7,7 +7,7 @@
 namespace tribotrack::model::internal {
 
 struct Kernels {
-  ArcSolver arc = nullptr;
+  ArcSolvers arcs;
   SlideMachines slides;
 };
 

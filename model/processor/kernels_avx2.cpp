@@ -11,7 +11,7 @@ struct Here;  // makes every function of the kernels this file's own
 }
 
 Kernels kernels_avx2() {
-  return {ArcKernel<Here>::solve, SlideKernel<Here, 8>::machines()};
+  return {{ArcKernel<Here, 4>::solve, ArcKernel<Here, 8>::solve}, SlideKernel<Here, 8>::machines()};
 }
 
 }  // namespace tribotrack::model::internal

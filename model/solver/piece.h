@@ -37,7 +37,7 @@ class PieceChain {
   void add_stick(Piece<T> piece) { pieces_.push_back(piece); }
   void add(Piece<T> piece, const ArcStepper<T>& arcs) {
     piece.kind = PieceKind::arc;
-    piece.order = GaussTable::kNodes;
+    piece.order = 2 * arcs.table().pairs;
     piece.offset = pool_.size();
     for (int i = 0; i < piece.order; ++i) {
       const Pair<T> n = arcs.direction(i);
@@ -87,9 +87,9 @@ class PieceChain {
 template <class T>
 Motion<T> PieceChain<T>::inside_arc(const Piece<T>& piece, double t, const ScaledDrive<T>& d,
                                     const T& kappa) const {
-  double once[GaussTable::kNodes], twice[GaussTable::kNodes];
+  double once[GaussTable::kMaxNodes], twice[GaussTable::kMaxNodes];
   const double h = piece.span;
-  GaussTable::get().integrals_to(h > 0 ? t / h : 0, once, twice);
+  GaussTable::of_pairs(piece.order / 2).integrals_to(h > 0 ? t / h : 0, once, twice);
   Pair<T> first, second;
   const T* n = pool_.data() + piece.offset;
   for (int i = 0; i < piece.order; ++i) {
