@@ -164,8 +164,8 @@ std::string with_key(const std::string& text, const CampaignEdit& edit) {
   if (!block) {  // before the runs, which are the last
     const auto first =
         std::ranges::find_if(lines, [](const std::string& line) { return is_heading(line, "[[run]]"); });
-    const auto at =
-        static_cast<std::size_t>(lines.insert(first, {"[" + edit.section + "]", ""}) - lines.begin());
+    const auto at = static_cast<std::size_t>(first - lines.begin());
+    lines.insert(first, {"[" + edit.section + "]", ""});
     block = Block{at, at + 1};
   }
   set_in_block(lines, *block, edit);

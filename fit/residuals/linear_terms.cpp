@@ -78,14 +78,6 @@ std::vector<Eigen::Index> linear_unknowns(const Unknowns& unknowns, bool linear)
   return found;
 }
 
-namespace {
-
-/// Weak friction takes up to 70 steps of the model a cycle. Values that take thousands are none of a part
-/// that moved as measured, and no step of a descent is worth so much time.
-constexpr double kMostStepsOfACycle = 2000;
-
-}  // namespace
-
 ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen::VectorXd& values,
                                            const SummaryRun& run, const std::vector<Eigen::Index>& by,
                                            double tolerance) {
@@ -100,9 +92,7 @@ ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen
     chain.conservativeResize(chain.rows() + 1, Eigen::NoChange);
     chain.bottomRows(1) = row;
   }
-  const double cycles = std::max(1.0, applied.scenario.cycles);
-  const EndPoint end =
-      end_point(applied.scenario, wanted, tolerance, static_cast<long>(kMostStepsOfACycle * cycles));
+  const EndPoint end = end_point(applied.scenario, wanted, tolerance);
   // Dividing the model keeps the covariance, and with it the minimum, free of the scale.
   ModelledDisplacement result{end.position * applied.stretch / applied.scale, {}};
   if (by.empty()) return result;

@@ -296,8 +296,10 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   drive.angular_frequency = value_of(FitParameter::angular_frequency, values) * frequency_ratio;
 
   const double delay = value_of(FitParameter::delay, values);
-  friction.nominal = value_of(FitParameter::mu1, values);
-  friction.reduced = value_of(FitParameter::mu2, values);
+  // Along an open profile mu goes to infinity: a part that rests does so at any greater one as well.
+  constexpr double kRestsUnderAnyDrive = 1e9;
+  friction.nominal = std::min(value_of(FitParameter::mu1, values), kRestsUnderAnyDrive);
+  friction.reduced = std::min(value_of(FitParameter::mu2, values), kRestsUnderAnyDrive);
   friction.lag = value_of(FitParameter::lag, values) + drive.angular_frequency * delay +
                  value_of(FitParameter::phase_reference, values);
   drive.phase_shift += value_of(FitParameter::phase_shift, values);
