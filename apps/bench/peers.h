@@ -32,7 +32,7 @@ PeerResult dormand_prince(const model::Scenario& scenario, double tolerance, lon
 
 /// Runge-Kutta-Fehlberg 7(8) in extended precision (64-bit mantissa), likewise: an end point independent of
 /// the library's integrator, good to about 1e-16 of the path.
-PeerResult extended_precision_reference(const model::Scenario& scenario, double tolerance = 1e-17);
+PeerResult extended_precision_reference(const model::Scenario& scenario, double tolerance = 1e-18);
 
 /// Time stepping of non-smooth mechanics (Moreau-Jean with theta = 1: implicit Euler with the friction disc
 /// as a projection): sticks properly, never fails, first order.

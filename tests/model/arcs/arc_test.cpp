@@ -48,13 +48,10 @@ struct WithSet {
 };
 
 TEST(Arc, InstructionSetsAgree) {
-  const unsigned seed = std::random_device{}();
-  std::cout << "seed " << seed << '\n';
-  SCOPED_TRACE("seed " + std::to_string(seed));
   const std::vector<Parameter> all = {Parameter::mu1,         Parameter::mu2,         Parameter::lag,
                                       Parameter::phi,         Parameter::dtau,        Parameter::amplitude,
                                       Parameter::amplitude_y, Parameter::phase_shift, Parameter::gravity};
-  for (const Scenario& s : scenarios(seed, 10))
+  for (const Scenario& s : scenarios(20210, 10))
     for (const size_t derivatives : {0, 3, 8, 9})
       for (const double tolerance : {1e-16, 1e-5}) {
         IntegrationOptions options;

@@ -120,7 +120,8 @@ ReportData odd() {
     run.fitted.slide.modelled.clear();
   }
   for (ReportGroup& group : data.over_phi)
-    group.curve_x_rad = group.curve_alpha_rad = group.curve_v_mm_s = {};
+    group.curve_x_rad = group.curve_alpha_rad = group.curve_v_mm_s = group.curve_alpha_sd_rad =
+        group.curve_v_sd_mm_s = {};
   return data;
 }
 
@@ -243,8 +244,8 @@ TEST_F(ReportInChromium, AFigureLeavesAsTheCsvThatItsNumbersHave) {
   for (const Figure& figure : dependence_figures(sample::campaign()))
     for (const Panel& panel : figure.panels)
       for (const Json& trace : panel.traces) points += figure.id == "v-phi" ? trace["x"].size() : 0;
-  EXPECT_THAT(told("sample.csv"), HasSubstr("panel,series,mark,name,x,y,sd,y_high,note"));
-  EXPECT_EQ(occurrences(told("sample.csv"), "\n"), points + 1);
+  EXPECT_THAT(told("csv"), HasSubstr("panel,series,mark,name,x,y,sd,y_high,note"));
+  EXPECT_EQ(occurrences(told("csv"), "\n"), points + 1);
 }
 
 // Its CSV has a heading for every cell, standard deviations too.
