@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "vision/calibration.h"
+#include "vision/calibration/corners.h"
 #include "vision/frame_source.h"
-#include "vision/tags/dictionary.h"
 
 namespace tribotrack::vision {
 
@@ -241,17 +241,6 @@ double scale_sd(const Views& views, const Solution& s) {
   return std::sqrt(cv::Mat(slope.t() * covariance * slope).at<double>(0));
 }
 
-/// The board's inner corners, row by row; empty where it is not seen whole.
-std::vector<cv::Point2f> corners_in(const Picture& levels, cv::Size inner) {
-  const cv::Mat picture = to_8_bit(levels);
-  std::vector<cv::Point2f> corners;
-  if (!cv::findChessboardCornersSB(
-          picture, inner, corners,
-          cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY | cv::CALIB_CB_NORMALIZE_IMAGE))
-    corners.clear();
-  return corners;
-}
-
 Views find_views(const CalibrationBoard& board, const CalibrationPicture& plane,
                  const std::vector<CalibrationPicture>& pictures, std::vector<std::string>& left_out) {
   Views views;
@@ -262,7 +251,7 @@ Views find_views(const CalibrationBoard& board, const CalibrationPicture& plane,
                                   static_cast<float>(y * board.square_mm), 0.0F);
   views.size = {plane.picture.width(), plane.picture.height()};
   const auto add = [&](const CalibrationPicture& picture) {
-    std::vector<cv::Point2f> seen = corners_in(picture.picture, inner);
+    std::vector<cv::Point2f> seen = board_corners(picture.picture, inner);
     if (seen.empty()) return false;
     views.seen.push_back(std::move(seen));
     views.names.push_back(picture.name);
@@ -317,7 +306,9 @@ CalibrationResult calibrate_camera(const CalibrationBoard& board, const Calibrat
   }
   if (result.model.empty())
     throw InputError("no camera explains the pictures of the board; check --squares and --square-mm");
-  const double focal = best.camera.at<double>(0, 0), focal_sd = best.lens_sd.at<double>(0);
+  const double focal = best.camera.at<double>(0, 0);
+  // With one focal length OpenCV states the sd of fy alone.
+  const double focal_sd = std::max(best.lens_sd.at<double>(0), best.lens_sd.at<double>(1));
   if (!(focal > 0) || !(focal_sd < kWorstFocal * focal))
     throw InputError(fmt::format(
         "the focal length comes out as {:.0f} +- {:.0f} px, which means nothing; take more pictures with "
