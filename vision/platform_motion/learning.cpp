@@ -143,6 +143,20 @@ Ground mean_of(const std::vector<Placed>& frames, const Rect& place, const Groun
   return ground;
 }
 
+/// frame = gain ground + offset says nothing of the ground's own light: as it is in the mean of the frames.
+/// Otherwise the contrast that is taken from the ground with its noise would be taken again in every round.
+void in_mean_light(std::vector<Placed>& frames) {
+  double gain = 0, offset = 0;
+  for (const Placed& p : frames) {
+    gain += p.gain / static_cast<double>(frames.size());
+    offset += p.offset / static_cast<double>(frames.size());
+  }
+  for (Placed& p : frames) {
+    p.gain /= gain;
+    p.offset -= p.gain * offset;
+  }
+}
+
 /// In turn the mean of all and each frame's place in it. A frame's own noise in the mean holds it where it
 /// was taken to lie: rounds go on until that no longer matters.
 class Learning {
@@ -176,6 +190,7 @@ class Learning {
     }
     placed_ = std::move(placed);
     if (moves.empty()) return 0;
+    in_mean_light(placed_);
     excess_ /= static_cast<double>(moves.size());
     ground_ = mean_of(placed_, place_, &ground_, noise_variance_);
     common /= static_cast<double>(moves.size());  // it moves the grid
