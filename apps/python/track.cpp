@@ -66,8 +66,7 @@ std::string keyword(std::string_view flag) {
 apps::TrackChoices choices_of(const Options& options) {
   apps::TrackChoices choices;
   for (const apps::TrackFlag& flag : apps::kTrackNumbers)
-    if (const auto value = options.number(keyword(flag.flag)))
-      choices.keys[flag.section][flag.key] = *value;
+    if (const auto value = options.number(keyword(flag.flag))) choices.keys[flag.section][flag.key] = *value;
   apps::Json& camera = choices.keys["camera"];
   if (const std::string reason = options.text("fps_reason"); !reason.empty())
     camera["frame_rate_reason"] = reason;
