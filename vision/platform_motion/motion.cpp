@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
@@ -22,15 +23,18 @@ constexpr double kWorstLimit = 1;    ///< px: slopes do not locate a ground that
 constexpr double kMotion = 4;        ///< times what noise explains, in squares: twice the sd
 constexpr double kLeastScore = 0.5;  ///< of the usual one: less, and it is not the ground
 
-/// Of the frame, where the ground's place should be seen.
+/// Of the frame, where the ground's place should be seen; of what lies outside, the nearest pixels.
 Rect moved_window(const Rect& place, const Point& by, const Rect& bounds) {
-  const int left = std::max(0, place.x + static_cast<int>(std::floor(by.x)) - kMargin);
-  const int top = std::max(0, place.y + static_cast<int>(std::floor(by.y)) - kMargin);
-  const int right =
-      std::min(bounds.width, place.x + place.width + static_cast<int>(std::ceil(by.x)) + kMargin);
-  const int bottom =
-      std::min(bounds.height, place.y + place.height + static_cast<int>(std::ceil(by.y)) + kMargin);
-  return {left, top, std::max(1, right - left), std::max(1, bottom - top)};
+  const auto within = [](double from, int length, int whole) {
+    const int first =
+        std::clamp(static_cast<int>(std::floor(std::clamp(from, -1e6, 1e6))) - kMargin, 0, whole - 1);
+    const int last = std::clamp(static_cast<int>(std::ceil(std::clamp(from, -1e6, 1e6))) + length + kMargin,
+                                first + 1, whole);
+    return std::pair(first, last - first);
+  };
+  const auto [left, width] = within(place.x + by.x, place.width, bounds.width);
+  const auto [top, height] = within(place.y + by.y, place.height, bounds.height);
+  return {left, top, width, height};
 }
 
 /// One of each of so many stretches, its place in it by the golden ratio.
