@@ -489,13 +489,4 @@ FitResult estimate(const Problem& given, const FitOptions& wanted) {
   return result;
 }
 
-FitResult estimate_from(const FitResult& last, const Problem& problem, const FitOptions& options) {
-  Problem begun = problem;
-  for (const ParameterEstimate& p : last.parameters) begun.start[p.parameter] = p.estimate;
-  FitOptions from_there = options;
-  from_there.multi_starts = 1;
-  FitResult result = estimate(begun, from_there);
-  return result.usable() && result.p_value > kSurprise ? result : estimate(problem, options);
-}
-
 }  // namespace tribotrack::fit

@@ -51,9 +51,4 @@ const char* solver();
 /// option). A fit that is not identifiable returns (usable() == false) with what can be determined.
 FitResult estimate(const Problem& problem, const FitOptions& options = {});
 
-/// Likewise, where `last` is the fit to most of the same data: begins at its estimates, and searches the
-/// whole box only where the minimum found from there is not usable or does not describe the data (p < 0.001
-/// of chi^2).
-FitResult estimate_from(const FitResult& last, const Problem& problem, const FitOptions& options = {});
-
 }  // namespace tribotrack::fit

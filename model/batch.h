@@ -21,7 +21,6 @@ enum class BatchStatus {
   too_long,          ///< not followed to its end within IntegrationOptions::max_steps
   failed,            ///< not solved; the reason is in BatchOutcome::reasons
 };
-const char* to_string(BatchStatus status);
 
 /// The end of one run.
 struct BatchEnd {

@@ -175,11 +175,6 @@ BatchOutcome solve_batch(std::span<const Scenario> scenarios, const BatchOptions
       scenarios.size(), [scenarios](std::size_t k) { return scenarios[k]; }, options);
 }
 
-const char* to_string(BatchStatus status) {
-  return std::array{"done", "invalid", "no steady motion", "too long", "failed"}.at(
-      static_cast<std::size_t>(status));
-}
-
 std::string BatchSummary::brief_report() const {
   char text[200];
   std::snprintf(

@@ -54,40 +54,6 @@ TEST(Estimate, RecoversTheTruthFromExactDataWithoutAnyGuess) {
   }
 }
 
-// As a run comes in: one descent from the last fit ends where the whole search ends.
-TEST(Estimate, FromTheLastFitOneDescentIsEnough) {
-  std::mt19937 random(5);
-  Problem problem;
-  problem.free = kThree;
-  for (const auto& s : test::fourteen({}))
-    problem.summary_runs.push_back(test::summary_run(s, pi / 180, 0.08e-3, &random));
-  FitOptions options;
-  options.profiles = false;
-  Problem fewer = problem;
-  fewer.summary_runs.pop_back();
-  const FitResult last = estimate(fewer, options);
-  const FitResult from_last = estimate_from(last, problem, options), searched = estimate(problem, options);
-  EXPECT_EQ(from_last.starts, 1);
-  EXPECT_GT(searched.starts, 1);
-  EXPECT_NEAR(from_last.chi2, searched.chi2, 1e-6);
-  for (std::size_t k = 0; k < kThree.size(); ++k) {
-    EXPECT_NEAR(from_last.parameters[k].estimate, searched.parameters[k].estimate,
-                1e-3 * searched.parameters[k].sd);
-    EXPECT_NEAR(from_last.parameters[k].sd, searched.parameters[k].sd, 1e-3 * searched.parameters[k].sd);
-  }
-}
-
-TEST(Estimate, AFitToOtherDataMisleadsNobody) {
-  FitOptions options;
-  options.profiles = false;
-  const FitResult last = estimate(exact_problem(test::fourteen({0.16, 0.04, -2.8})), options);
-  const Problem problem = exact_problem(test::fourteen({}));
-  const FitResult result = estimate_from(last, problem, options);
-  EXPECT_TRUE(result.usable());
-  EXPECT_NEAR(result.value(FitParameter::mu1), 0.1, 1e-6);
-  EXPECT_NEAR(result.value(FitParameter::lag), 0.1, 1e-5);
-}
-
 TEST(Estimate, TheLagIsFoldedIntoHalfATurn) {
   const Truth truth{0.09, 0.02, 2.9};
   Problem problem = exact_problem(test::fourteen(truth));
