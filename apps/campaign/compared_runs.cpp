@@ -154,7 +154,7 @@ std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Run
       fmt::format("{} recordings share one scale, {} mm/px (chi2 {:.3g}{})", shared.pooled.count,
                   quoted(shared.pooled.scale.mm_per_px, shared.pooled.scale.sd), shared.pooled.chi2,
                   shared.pooled.scatter > 0
-                      ? fmt::format("; they scatter by {:.2g} % beyond their own sds, as rims on differing "
+                      ? fmt::format("; they scatter by {:.2g} % beyond their own sds, as edges on differing "
                                     "backgrounds do: the sd of the mean includes it",
                                     100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px)
                       : "");

@@ -18,7 +18,9 @@ std::string value_text(const std::string& name, const Json& value, const Json& s
   if (!value.is_number()) return value.is_null() ? "not determined" : value.dump();
   const double number = value.get<double>();
   const bool rounded = sd.is_number() && sd.get<double>() > 0;
-  const std::string text = rounded ? quoted(number, sd.get<double>()) : fmt::format("{:.8g}", number);
+  const std::string text = rounded                     ? quoted(number, sd.get<double>())
+                           : value.is_number_integer() ? value.dump()
+                                                       : fmt::format("{:.6g}", number);
   return name.ends_with("_rad") ? fmt::format("{} ({:.2f} deg)", text, number * 180 / std::numbers::pi)
                                 : text;
 }

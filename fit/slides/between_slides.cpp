@@ -130,15 +130,15 @@ std::string spin_text(const SlideResult& slide) {
                        number(std::abs(slide.slope), 4));
   if (slide.spin_fitted)
     return fmt::format(
-        "Spin was not seen, but its deceleration changes as that of a spinning part does: fitted with a rim "
-        "speed "
-        "over slide speed of {}.",
+        "Spin was not seen, but its deceleration changes as that of a spinning part does: fitted with an "
+        "edge "
+        "speed over slide speed of {}.",
         number(slide.spin_ratio.value, 2));
   if (!slide.spin_seen)
     return fmt::format(
-        "Spin was not seen: fitted without; a rim speed of half the slide's would make mu1 {} % larger.",
+        "Spin was not seen: fitted without; an edge speed of half the slide's would make mu1 {} % larger.",
         number(100 * slide.change_by_half_spin, 2));
-  return fmt::format("It spins at {} rad/s, rim speed over slide speed {}, bearing on {} of its radius.",
+  return fmt::format("It spins at {} rad/s, edge speed over slide speed {}, bearing on {} of its radius.",
                      pm(slide.spin), pm(slide.spin_ratio), pm(slide.bearing));
 }
 
@@ -160,11 +160,10 @@ std::string blows_text(const SlideResult& slide) {
 std::string slow_text(const SlideResult& slide) {
   if (!slide.shown_slow) return "";
   return fmt::format(
-      "Slide '{}': neighbouring points err alike, by {} mm for {} s, more than the track tells (a lossy "
-      "coder, "
-      "the lens, a camera that was not still, a deceleration that is not constant): its errors were taken "
-      "from "
-      "the residuals.",
+      "Slide '{}': neighbouring points err alike, by {} mm for {} s, more than the track tells (lossy "
+      "compression, the lens, a camera that was not still, a deceleration that is not constant): its errors "
+      "were "
+      "taken from the residuals.",
       slide.run, number(1e3 * slide.shown_slow->sd, 2), number(slide.shown_slow->time, 2));
 }
 

@@ -1,7 +1,6 @@
 #include "model/batch.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cstdio>
 #include <exception>

@@ -10,7 +10,7 @@
 
 namespace tribotrack::test {
 
-/// Force and torque of a disc at speed u and rim speed w, per mu m g and per mu m g R.
+/// Force and torque of a disc at speed u and edge speed w, per mu m g and per mu m g R.
 struct FaceForce {
   double force = 0, torque = 0;
 };
@@ -39,7 +39,7 @@ inline FaceForce force_by_directions(double u, double w) {
   return {force, dissipated - d * force};
 }
 
-/// A slide from speed 1 and rim speed s0 with mu g = 1, every motion of that ratio but for its units: after
+/// A slide from speed 1 and edge speed s0 with mu g = 1, every motion of that ratio but for its units: after
 /// the time t v0/(mu g) the way is x v0^2/(mu g) and the disc has turned by rim v0^2/(mu g R).
 class UnitSlide {
  public:

@@ -157,11 +157,9 @@ std::string coding_warning(const CodedErrors& errors) {
         "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
         errors.coder, errors.added_sd, errors.slow_time);
   return fmt::format(
-      "coded by {}: {:.0f} % of the rim is predicted from the same place of another frame, where the part "
-      "can "
-      "move by {:.3f} px unnoticed; {:.4f} px that change over {:.2g} s are added to the standard "
-      "deviations. "
-      "Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
+      "coded by {}: {:.0f} % of the edge is predicted from the same place of another frame, where the part "
+      "can move by {:.3f} px unnoticed; {:.4f} px that change over {:.2g} s are added to the standard "
+      "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
       errors.coder, 100 * errors.still, errors.unnoticed, errors.added_sd, errors.slow_time);
 }
 

@@ -35,7 +35,7 @@ class EdgeTracking {
   EdgeTrack run() {
     choose_frames();
     if (learning_.size() < kFewest) {
-      out_.why_not = "too few frames show the whole rim";
+      out_.why_not = "too few frames show the whole edge";
       return std::move(out_);
     }
     for (int round = 0; round < kRounds; ++round) {

@@ -64,10 +64,9 @@ Variances compare(const Track& track, const Fixes& fixes) {
 std::string reason_against(const FirstPassResult& first, const TrackOptions& options, bool coded,
                            bool turning, double stated) {
   if (options.layers == Layers::off) return "switched off with the second pass";
-  if (first.blur <= 0) return "the part has no measured round rim";
+  if (first.blur <= 0) return "the part has no measured round edge";
   if (first.disc.radius < kSmallest) return "the part is too small";
-  if (coded && !turning)
-    return "the part does not turn visibly, and what a lossy coder does moves an edge as well";
+  if (coded && !turning) return "the part does not turn visibly, and lossy compression moves an edge as well";
   if (stated < kWorth * first.limit_px)
     return fmt::format("the part's pictures give {:.2g} px, noise alone allows {:.2g} px", stated,
                        first.limit_px);

@@ -64,11 +64,11 @@ std::optional<PlanStage> reason_against(const FirstPassResult& first, const Trac
   PlanStage stage;
   stage.name = kName;
   if (layers == Layers::off) stage.reason = "switched off; " + finding(first);
-  if (first.blur <= 0) stage.reason = "the part has no measured round rim";
+  if (first.blur <= 0) stage.reason = "the part has no measured round edge";
   if (layers == Layers::automatic && first.blur > 0 && nothing_to_learn(first, track)) {
     stage.error_bound_px = pull_of_ground(first);
     stage.reason =
-        fmt::format("nothing to learn: {}; through the rim the ground moves a position by {:.2g} px at most",
+        fmt::format("nothing to learn: {}; through the edge the ground moves a position by {:.2g} px at most",
                     finding(first), *stage.error_bound_px);
   }
   if (stage.reason.empty()) return std::nullopt;
@@ -262,9 +262,9 @@ PlanStage layers_stage(const LayeredPass& pass, const FirstPassResult& first, do
 
 std::string kept_warning(std::int64_t frames) {
   return fmt::format(
-      "{} frames keep the position of the first pass, in which the ground is seen through the rim (the "
-      "ground "
-      "about the part is not known there, or something covers it): their standard deviations are wider",
+      "{} frames keep the position of the first pass, in which the ground is seen through the edge "
+      "(the ground about the part is not known there, or something covers it): their standard deviations are "
+      "wider",
       frames);
 }
 

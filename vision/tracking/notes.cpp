@@ -122,8 +122,8 @@ PlanStage rim_stage(std::int64_t by_rim, std::int64_t seen) {
       .on = by_rim > 0,
       .reason =
           by_rim > 0
-              ? fmt::format("the template was not confirmed in {} of {} frames in which the part's rim was: "
-                            "those are measured by the rim",
+              ? fmt::format("the template was not confirmed in {} of {} frames in which the part's edge was: "
+                            "those are measured by the edge",
                             by_rim, seen)
               : fmt::format("the template was confirmed in all {} frames", seen)};
 }
@@ -144,7 +144,7 @@ PlanStage chamfer_stage(const OuterEdge& edge, bool given) {
 
 std::string no_rim_warning(const char* what, const Circle& given) {
   return fmt::format(
-      "the {}'s rim near ({:.1f}, {:.1f}) px is not seen as a circle: its given centre and radius are used "
+      "the {}'s edge near ({:.1f}, {:.1f}) px is not seen as a circle: its given centre and radius are used "
       "as "
       "they are, and a scale from its diameter is as good as the given radius",
       what, given.x, given.y);
@@ -158,7 +158,7 @@ std::optional<std::string> excess_warning(double excess, double noise) {
   if (!(excess > 0.5 * noise)) return std::nullopt;
   return fmt::format(
       "the registration leaves {:.2f} grey levels rms beyond the noise of {:.2f} (moving ground seen through "
-      "the rim, glare, compression): the standard deviations are widened accordingly",
+      "the edge, glare, compression): the standard deviations are widened accordingly",
       excess, noise);
 }
 
