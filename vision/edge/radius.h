@@ -1,7 +1,7 @@
 // A disc's radius: that of the edge which the camera sees, and how far its outer edge lies beyond.
 //
 // Seen from above a chamfer is a ring about the part's top. As dark as the ground it hides the outer edge,
-// and a circle fitted to the rim has the top's radius; as bright as the top it hides the top's. With w its
+// and a circle fitted to the edge has the top's radius; as bright as the top it hides the top's. With w its
 // width
 //   R = R_seen + c,   0 <= c <= w.
 // A ring wider than some three blurs shows in the mean picture's rays, whatever its levels (optics.h): then
@@ -26,7 +26,7 @@ struct OuterEdge {
 };
 
 /// The edge that is seen, in the mean of some of the frames about the part's centres: noise averages out,
-/// what belongs to the disc and to the ground that stays beside it does not. Nothing where no whole rim
+/// what belongs to the disc and to the ground that stays beside it does not. Nothing where no whole edge
 /// shows.
 ///
 /// Colour video is not linear in the light: it stores about its power 1 / 2.2, so the middle of a blurred
