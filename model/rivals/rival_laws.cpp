@@ -1,5 +1,6 @@
 #include "model/rival_laws.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,6 +14,11 @@ constexpr long kMaxSteps = 2'000'000;
 
 /// x, y, u_x, u_y
 using State = Eigen::Vector4d;
+
+/// What friction takes from the speed |u|, m/s^2, and its derivatives by |u| and by time.
+struct Deceleration {
+  double value, by_speed, by_time;
+};
 
 class Equation {
  public:
@@ -36,22 +42,30 @@ class Equation {
     const double wt = s_.start_phase + s_.drive.angular_frequency * t, c = std::cos(wt), s = std::sin(wt);
     return pull_ + c * by_cos_ + s * by_sin_;
   }
-  /// What friction takes from the speed |u| at t, m/s^2; `middle` lies in the same segment.
-  double deceleration(double t, double speed, double middle) const {
-    const double fading = speed / (0.25 * speed_);
-    const double more = law_.stribeck != 0 ? law_.stribeck * std::exp(-fading * fading) : 0;
-    return mu(t, speed, middle) * s_.drive.gravity * (1 + more) + law_.viscous * speed;
+  /// Its derivative by time.
+  Eigen::Vector2d jerk(double t) const {
+    const double w = s_.drive.angular_frequency, wt = s_.start_phase + w * t;
+    return w * (std::cos(wt) * by_sin_ - std::sin(wt) * by_cos_);
   }
-  State slope(double t, const State& q, double middle) const {
-    const Eigen::Vector2d u = q.tail<2>(), d = drive(t);
+  /// `middle` lies in the same segment as t.
+  Deceleration deceleration(double t, double speed, double middle) const {
+    const double fading = speed / (0.25 * speed_), g = s_.drive.gravity;
+    const double more = law_.stribeck != 0 ? law_.stribeck * std::exp(-fading * fading) : 0;
+    const Deceleration mu = friction(t, speed, middle);
+    return {mu.value * g * (1 + more) + law_.viscous * speed,
+            mu.by_speed * g * (1 + more) - mu.value * g * more * 2 * fading / (0.25 * speed_) + law_.viscous,
+            mu.by_time * g * (1 + more)};
+  }
+  /// Along the motion, or where the part is about to go.
+  Eigen::Vector2d direction(double t, const Eigen::Vector2d& u) const {
     const double speed = u.norm();
-    const Eigen::Vector2d along = speed > 0 ? Eigen::Vector2d(u / speed) : Eigen::Vector2d(d.normalized());
-    State k;
-    k << u, d - deceleration(t, speed, middle) * along;
-    return k;
+    return speed > 0 ? Eigen::Vector2d(u / speed) : drive(t).normalized();
+  }
+  Eigen::Vector2d acceleration(double t, const Eigen::Vector2d& u, double middle) const {
+    return drive(t) - deceleration(t, u.norm(), middle).value * direction(t, u);
   }
   bool holds(double t, double middle) const {
-    return drive(t).norm() <= (1 + law_.static_friction) * deceleration(t, 0, middle);
+    return drive(t).norm() <= (1 + law_.static_friction) * deceleration(t, 0, middle).value;
   }
   /// Where mu jumps or bends, then the end.
   std::vector<double> stations() const {
@@ -74,19 +88,23 @@ class Equation {
   double first_edge() const {
     return s_.friction.phase + s_.friction.lag - 0.5 * s_.drive.angular_frequency * law_.rise;
   }
-  double mu(double t, double speed, double middle) const {
+  /// mu.
+  Deceleration friction(double t, double speed, double middle) const {
     const double w = s_.drive.angular_frequency, width = s_.friction.pulse_width;
     const double at_middle = s_.start_phase + w * middle - first_edge();
     const double into = at_middle - kTurn * std::floor(at_middle / kTurn);
     const bool opened = into < width;
-    const double reduced = s_.friction.reduced * (1 + law_.mu2_speed * speed / speed_);
-    const double now = opened ? reduced : s_.friction.nominal;
+    const double by_speed = s_.friction.reduced * law_.mu2_speed / speed_;
+    const Deceleration reduced{s_.friction.reduced + by_speed * speed, by_speed, 0};
+    const Deceleration nominal{s_.friction.nominal, 0, 0};
+    const Deceleration &now = opened ? reduced : nominal, &before = opened ? nominal : reduced;
     if (!(law_.rise > 0) || !(width > 0)) return now;
     const double since = (into - (opened ? 0 : width)) / w;  // of the segment's middle after its edge
     if (since >= law_.rise) return now;
     const double share = std::clamp((since + t - middle) / law_.rise, 0.0, 1.0);
-    const double before = opened ? s_.friction.nominal : reduced;
-    return before + share * (now - before);
+    return {before.value + share * (now.value - before.value),
+            before.by_speed + share * (now.by_speed - before.by_speed),
+            (now.value - before.value) / law_.rise};
   }
 
   const Scenario& s_;
@@ -153,28 +171,17 @@ class Integration {
     }
   }
 
-  /// Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I", table II.5.2.
+  /// Until the part stops, or the station. A part that creeps, all but held, turns at once wherever the drive
+  /// points: that is stiff, and an implicit method's.
   void slide(double station) {
     double h = std::min(h_ > 0 ? h_ : first_step_, station - t_);
-    State k1 = slope(0, q_);
     while (t_ < station) {
       if (++steps_ > kMaxSteps) throw InvalidParameter("a rival friction law needs too many steps");
       const bool ends = t_ + h >= station || station - t_ - h < 1e-3 * h;
       if (ends) h = station - t_;
-      const State k2 = slope(h / 5, q_ + h / 5 * k1);
-      const State k3 = slope(3 * h / 10, q_ + h * (3. / 40 * k1 + 9. / 40 * k2));
-      const State k4 = slope(4 * h / 5, q_ + h * (44. / 45 * k1 - 56. / 15 * k2 + 32. / 9 * k3));
-      const State k5 = slope(8 * h / 9, q_ + h * (19372. / 6561 * k1 - 25360. / 2187 * k2 +
-                                                  64448. / 6561 * k3 - 212. / 729 * k4));
-      const State k6 = slope(h, q_ + h * (9017. / 3168 * k1 - 355. / 33 * k2 + 46732. / 5247 * k3 +
-                                          49. / 176 * k4 - 5103. / 18656 * k5));
-      const State next =
-          q_ + h * (35. / 384 * k1 + 500. / 1113 * k3 + 125. / 192 * k4 - 2187. / 6784 * k5 + 11. / 84 * k6);
-      const State k7 = slope(h, next);
-      const State error = h * (71. / 57600 * k1 - 71. / 16695 * k3 + 71. / 1920 * k4 - 17253. / 339200 * k5 +
-                               22. / 525 * k6 - 1. / 40 * k7);
+      const auto [next, error] = step(h);
       const double size = error.cwiseQuotient(absolute_).cwiseAbs().maxCoeff();
-      const double factor = size > 0 ? 0.9 * std::pow(size, -0.2) : 5;
+      const double factor = size > 0 ? 0.9 * std::pow(size, -0.25) : 5;
       if (!(size <= 1)) {
         h *= std::isfinite(size) ? std::clamp(factor, 0.1, 0.9) : 0.1;
         continue;
@@ -182,7 +189,6 @@ class Integration {
       const Eigen::Vector2d before = q_.tail<2>();
       q_ = next;
       t_ = ends ? station : t_ + h;
-      k1 = k7;
       if (!ends) h_ = h;
       h *= std::clamp(factor, 0.2, 5.0);
       // The witness of a stop: the velocity has turned round or is all but gone, and friction holds.
@@ -194,7 +200,53 @@ class Integration {
     }
   }
 
-  State slope(double after, const State& q) const { return f_.slope(t_ + after, q, middle_); }
+  struct Step {
+    State end, error;
+  };
+  /// Rosenbrock's method of order 4 (3), L-stable: RODAS in Hairer, Wanner, "Solving Ordinary Differential
+  /// Equations II", section IV.7.
+  Step step(double h) const {
+    static constexpr int kStages = 6;
+    static constexpr double kGamma = 0.25;
+    static constexpr double kTime[kStages] = {0, 0.386, 0.21, 0.63, 1, 1};
+    static constexpr double kByTime[kStages] = {0.25, -0.1043, 0.1035, -0.03620000000000023, 0, 0};
+    static constexpr double kA[kStages][5] = {
+        {},
+        {1.544},
+        {0.9466785280815826, 0.2557011698983284},
+        {3.314825187068521, 2.896124015972201, 0.9986419139977817},
+        {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.687886036105895},
+        {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.687886036105895, 1}};
+    static constexpr double kC[kStages][5] = {
+        {},
+        {-5.6688},
+        {-2.430093356833875, -0.2063599157091915},
+        {-0.1073529058151375, -9.594562251023355, -20.47028614809616},
+        {7.496443313967647, -10.24680431464352, -33.99990352819905, 11.7089089320616},
+        {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054}};
+    // d - m(|u|) u/|u|, its derivatives by u and by time.
+    const Eigen::Vector2d u = q_.tail<2>(), along = f_.direction(t_, u);
+    const Deceleration m = f_.deceleration(t_, u.norm(), middle_);
+    const Eigen::Matrix2d on_it = along * along.transpose();
+    Eigen::Matrix2d jacobian = -m.by_speed * on_it;
+    if (u.norm() > 0) jacobian -= m.value / u.norm() * (Eigen::Matrix2d::Identity() - on_it);
+    const Eigen::Vector2d by_time = f_.jerk(t_) - m.by_time * along;
+    const Eigen::Matrix2d solved = (Eigen::Matrix2d::Identity() / (h * kGamma) - jacobian).inverse();
+    State stage[kStages], at = q_;
+    for (int i = 0; i < kStages; ++i) {
+      State sum = State::Zero();
+      at = q_;
+      for (int j = 0; j < i; ++j) {
+        at += kA[i][j] * stage[j];
+        sum += kC[i][j] / h * stage[j];
+      }
+      const Eigen::Vector2d velocity = at.tail<2>();
+      stage[i].tail<2>() = solved * (f_.acceleration(t_ + kTime[i] * h, velocity, middle_) + sum.tail<2>() +
+                                     h * kByTime[i] * by_time);
+      stage[i].head<2>() = h * kGamma * (velocity + sum.head<2>() + stage[i].tail<2>());
+    }
+    return {at + stage[kStages - 1], stage[kStages - 1]};
+  }
 
   Equation f_;
   State q_, absolute_;
