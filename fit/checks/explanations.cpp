@@ -95,11 +95,12 @@ class ScoreTests {
       const auto k = static_cast<Eigen::Index>(i);
       if (const auto known = unknowns_.find(quantity)) {
         if (*known < unknowns_.reported()) return std::nullopt;
+        // Its prior's row, moved: by sizes that grow as what is known to an sd does.
         const Prior prior = *unknowns_.prior(*known);
         g.own(k, k) = 1;
         g.with_unknowns.row(k).setZero();
-        g.with_unknowns(k, *known) = 1 / prior.sd;
-        g.with_residuals(k) = (values_(*known) - prior.mean) / prior.sd;
+        g.with_unknowns(k, *known) = -1 / prior.sd;
+        g.with_residuals(k) = -(values_(*known) - prior.mean) / prior.sd;
         continue;
       }
       const auto column = wide_.find(quantity);

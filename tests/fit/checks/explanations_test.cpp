@@ -104,6 +104,17 @@ TEST(Explanations, AConditionWithAnSdExplainsItself) {
   EXPECT_NEAR(beyond.explanations.front().size, 1e-3, 2e-4);
 }
 
+// To first order, without a refit: by how much the truth lies beside what is known to an sd, with its sign.
+TEST(Explanations, TheSizeOfAConditionHasTheSignOfItsChange) {
+  for (const double off : {0.01, -0.01}) {
+    const FitResult result = fitted({.ratio = 1 + off}, 7, {{FitParameter::amplitude_ratio, 3e-3, "typed"}});
+    const auto found = std::ranges::find(result.explanations, "amplitude_ratio", &Explanation::name);
+    ASSERT_NE(found, result.explanations.end());
+    EXPECT_FALSE(found->refitted);
+    EXPECT_NEAR(found->size, 100 * off, 0.4) << result.full_report();
+  }
+}
+
 TEST(Explanations, FrictionThatDiffersFromRunToRunIsFoundAndCounted) {
   const FitResult result = fitted({.scatter = 0.02}, 9);
   EXPECT_EQ(result.explanations.front().name, "run_scatter") << result.full_report();
