@@ -96,6 +96,7 @@ class Estimation {
   }
   /// By chance in one of a thousand; the scatter of repeated runs is none of the model's.
   bool rejected() const { return p_value_ < kSurprise; }
+  double chi2() const { return minimum_.chi2; }
   const std::vector<Outlier>& outliers() const { return result_.outliers; }
   /// Where the residuals exceed their sigma: scatter, correlated errors, robust weights.
   void explain_excess_variance();
@@ -443,18 +444,18 @@ FitResult estimate(const Problem& given, const FitOptions& wanted) {
   fit.test_residuals();
   // Driven tracks are explained once their correlated errors are known.
   if (problem.has_driven_tracks()) fit.explain_excess_variance();
-  const std::vector<ExplainedProblem> list = fit.explanations();
+  std::vector<ExplainedProblem> list = fit.explanations();
   std::optional<Quoted> quoted;
   FitOptions nearby;
   std::optional<Estimation> under;
   const bool squares = options.loss == Loss::squares;  // robust weights are an answer of their own
   if (fit.rejected() && squares)
-    quoted = explained(problem, list, fit.outliers(), [&](const Problem& next) {
-      FitOptions single = options;
-      single.multi_starts = 1;
-      Estimation there(next, single);
+    quoted = explained(problem, fit.chi2(), list, fit.outliers(), [&](const Problem& next) {
+      Estimation there(next, options);
       there.find_minimum();
-      return there.explanations();
+      const FitResult result = there.assumed();
+      return Refit{result.chi2, result.p_value, result.as_assumed,
+                   result.p_value > kExplained ? std::vector<ExplainedProblem>{} : there.explanations()};
     });
   FitResult result;
   if (quoted) {

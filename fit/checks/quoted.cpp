@@ -19,32 +19,57 @@ Quoted without_bad_runs(Problem problem, const std::vector<Outlier>& outliers) {
   return quoted;
 }
 
+/// The explanation's problem, begun at what it makes of the parameters.
+Problem begun(const ExplainedProblem& explanation) {
+  Problem problem = explanation.problem;
+  for (const auto& [parameter, under] : explanation.found.parameters)
+    problem.start[parameter] = under.estimate;
+  return problem;
+}
+
+auto first_that_explains(std::vector<ExplainedProblem>& list) {
+  return std::ranges::find_if(list, [](const ExplainedProblem& e) { return e.found.explains; });
+}
+
 }  // namespace
 
-std::optional<Quoted> explained(
-    const Problem& problem, std::vector<ExplainedProblem> list, const std::vector<Outlier>& outliers,
-    const std::function<std::vector<ExplainedProblem>(const Problem&)>& explanations_of) {
+std::optional<Quoted> explained(const Problem& problem, double chi2, std::vector<ExplainedProblem>& list,
+                                const std::vector<Outlier>& outliers,
+                                const std::function<Refit(const Problem&)>& refit) {
   constexpr int kMostTogether = 3;
   Quoted quoted;
+  std::vector<ExplainedProblem> beside;
   for (int k = 0; k < kMostTogether; ++k) {
-    const auto best = std::ranges::find_if(list, [](const auto& e) { return e.found.explains; });
-    if (best != list.end()) {
-      quoted.under.push_back(sentence_of(best->found));
-      quoted.problem = best->problem;
-      for (const auto& [parameter, under] : best->found.parameters)
-        quoted.problem.start[parameter] = under.estimate;
-      for (auto other = best + 1; other != list.end(); ++other)
-        if (other->found.explains && gain_of(best->found) - gain_of(other->found) < kPreferred)
+    std::vector<ExplainedProblem>& now = k == 0 ? list : beside;
+    if (k == 0 && first_that_explains(now) == now.end() && !outliers.empty())
+      return without_bad_runs(problem, outliers);
+    std::optional<Refit> best;
+    for (std::size_t i = 0; i < now.size() && first_that_explains(now) == now.end(); ++i) {
+      Explanation& found = now[i].found;
+      if (!found.refitted || (i > 0 && found.name != "bad_run")) continue;
+      Refit there = refit(begun(now[i]));
+      if (there.chi2 < chi2 - found.chi2_fall) {
+        found.chi2_fall = chi2 - there.chi2;
+        found.p_after = there.p_value;
+        found.parameters = there.parameters;
+        found.explains = there.p_value > kExplained;
+      }
+      if (i == 0) best = std::move(there);
+    }
+    if (const auto answer = first_that_explains(now); answer != now.end()) {
+      std::rotate(now.begin(), answer, answer + 1);
+      const Explanation& first = now.front().found;
+      quoted.under.push_back(sentence_of(first));
+      quoted.problem = begun(now.front());
+      for (auto other = now.begin() + 1; other != now.end(); ++other)
+        if (other->found.explains && gain_of(first) - gain_of(other->found) < kPreferred)
           quoted.as_good.push_back(other->found);
       return quoted;
     }
-    if (k == 0 && !outliers.empty()) return without_bad_runs(problem, outliers);
-    if (list.empty() || !list.front().found.refitted) return std::nullopt;
-    quoted.under.push_back(sentence_of(list.front().found));
-    Problem next = list.front().problem;
-    for (const auto& [parameter, under] : list.front().found.parameters)
-      next.start[parameter] = under.estimate;
-    list = explanations_of(next);
+    if (!best) return std::nullopt;
+    quoted.under.push_back(sentence_of(now.front().found));
+    chi2 = best->chi2;
+    beside = std::move(best->explanations);
   }
   return std::nullopt;
 }

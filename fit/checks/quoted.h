@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,11 +18,20 @@ struct Quoted {
   std::vector<Explanation> as_good;  ///< others that explain the residuals as well
 };
 
+/// A fit to another problem, from its screening on.
+struct Refit {
+  double chi2 = 0, p_value = 0;
+  std::map<FitParameter, EstimateUnder> parameters;
+  std::vector<ExplainedProblem> explanations;  ///< of what it leaves
+};
+
 /// What explains the residuals: one thing, or a second and a third beside it where each gains. `list`: the
-/// explanations of `problem`; `explanations_of`: those of another one. nullopt: nothing does.
-std::optional<Quoted> explained(
-    const Problem& problem, std::vector<ExplainedProblem> list, const std::vector<Outlier>& outliers,
-    const std::function<std::vector<ExplainedProblem>(const Problem&)>& explanations_of);
+/// explanations of `problem`, whose chi^2 is `chi2`. A large effect pulls the minimum so far that no descent
+/// leads from there to its own: where nothing explains the residuals, the best and the bad run are fitted
+/// anew, and told as they are then. nullopt: nothing does.
+std::optional<Quoted> explained(const Problem& problem, double chi2, std::vector<ExplainedProblem>& list,
+                                const std::vector<Outlier>& outliers,
+                                const std::function<Refit(const Problem&)>& refit);
 
 /// The intervals cover what the explanations say that are as good.
 void widen(const std::vector<Explanation>& as_good, FitResult& result);

@@ -77,6 +77,21 @@ INSTANTIATE_TEST_SUITE_P(Explanations, Causes,
                                          Cause{"viscous", {.viscous = 2}}, Cause{"bad_run", {.bad_run = 3}}),
                          [](const auto& cause) { return std::string(cause.param.name); });
 
+// A minimum that one run has pulled far away is no place from which the others' own is found by descent.
+TEST(Explanations, ABadRunIsNamedWhereThePartSticks) {
+  int held = 0;
+  for (int bad = 0; bad < 14; bad += 2) {
+    const Laboratory lab{.mu1 = 0.128, .mu2 = 0.016, .lag = -0.13, .bad_run = bad};
+    const FitResult result = fitted(lab, 21 + static_cast<unsigned>(bad));
+    EXPECT_LT(result.p_value, 1e-3);
+    EXPECT_EQ(result.explanations.front().name, "bad_run") << result.full_report();
+    EXPECT_TRUE(result.explanations.front().explains) << bad << result.full_report();
+    EXPECT_EQ(result.verdict, Use::care) << bad;
+    held += holds(result, FitParameter::mu1, lab.mu1);
+  }
+  EXPECT_GE(held, 5);  // of 7
+}
+
 TEST(Explanations, APerfectLaboratoryIsAccusedOfNothing) {
   int accused = 0;
   for (unsigned seed = 0; seed < 6; ++seed) {
