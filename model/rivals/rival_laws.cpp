@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr long kMaxSteps = 2'000'000;
+constexpr double kMaxTurns = 1e5;
 
 /// x, y, u_x, u_y
 using State = Eigen::Vector4d;
@@ -31,6 +32,8 @@ class Equation {
     if (!std::isfinite(all) || !(law.stribeck > -1) || (too_long && width > 0))
       throw InvalidParameter("a rival law of friction is out of range: stribeck = " +
                              std::to_string(law.stribeck) + ", rise = " + std::to_string(law.rise) + " s");
+    if (!(s_.end_time() * w < kTurn * kMaxTurns))
+      throw InvalidParameter("a rival friction law needs too many steps");
     const Eigen::Vector2d ahead = s_.drive.acceleration(0), behind = s_.drive.acceleration(std::numbers::pi);
     pull_ = 0.5 * (ahead + behind);
     by_cos_ = ahead - pull_;
@@ -84,9 +87,10 @@ class Equation {
   }
 
  private:
-  /// wt at which the first ramp begins.
+  /// wt at which a first ramp begins.
   double first_edge() const {
-    return s_.friction.phase + s_.friction.lag - 0.5 * s_.drive.angular_frequency * law_.rise;
+    return std::remainder(s_.friction.phase + s_.friction.lag, kTurn) -
+           0.5 * s_.drive.angular_frequency * law_.rise;
   }
   /// mu.
   Deceleration friction(double t, double speed, double middle) const {
@@ -181,7 +185,7 @@ class Integration {
       if (ends) h = station - t_;
       const auto [next, error] = step(h);
       const double size = error.cwiseQuotient(absolute_).cwiseAbs().maxCoeff();
-      const double factor = size > 0 ? 0.9 * std::pow(size, -0.25) : 5;
+      const double factor = size > 0 ? 0.9 / std::sqrt(std::sqrt(size)) : 5;
       if (!(size <= 1)) {
         h *= std::isfinite(size) ? std::clamp(factor, 0.1, 0.9) : 0.1;
         continue;

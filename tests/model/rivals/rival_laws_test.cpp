@@ -20,6 +20,21 @@ TEST(RivalLaws, WithoutStrengthAllAreThePapersLaw) {
   }
 }
 
+// Friction that all but holds the part lets it creep: stiff, and no reason for more steps. A search
+// may go to phases that count no turns any more.
+TEST(RivalLaws, PartsThatCreepAndPhasesFarAwayComeToAnEnd) {
+  for (const double mu1 : {0.1118, 0.1124, 0.1126}) {  // A w^2 / g = 0.1126
+    Scenario scenario;
+    scenario.friction = {mu1, 0.01, 0.4, 1.3, 0.2};
+    scenario.cycles = 20;
+    const Eigen::Vector2d exact = integrate(scenario).end().position;
+    EXPECT_LT((rival_displacement(scenario, {}, 1e-8) - exact).norm(), 1e-6 * exact.norm()) << mu1;
+  }
+  Scenario far;
+  far.friction = {0.1, 0.01, 0.4, 1.3, 1e20};
+  EXPECT_TRUE(rival_displacement(far, {}).allFinite());
+}
+
 // A short rise about the edge changes nothing to first order.
 TEST(RivalLaws, AShortRiseIsOfSecondOrder) {
   Scenario scenario;
