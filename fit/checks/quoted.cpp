@@ -37,6 +37,7 @@ std::optional<Quoted> explained(const Problem& problem, double chi2, std::vector
                                 const std::vector<Outlier>& outliers,
                                 const std::function<Refit(const Problem&)>& refit) {
   constexpr int kMostTogether = 3;
+  constexpr double kMost = 0.5;  ///< of chi^2, that one run makes
   Quoted quoted;
   std::vector<ExplainedProblem> beside;
   for (int k = 0; k < kMostTogether; ++k) {
@@ -46,7 +47,8 @@ std::optional<Quoted> explained(const Problem& problem, double chi2, std::vector
     std::optional<Refit> best;
     for (std::size_t i = 0; i < now.size() && first_that_explains(now) == now.end(); ++i) {
       Explanation& found = now[i].found;
-      if (!found.refitted || (i > 0 && found.name != "bad_run")) continue;
+      const bool gross = found.name == "bad_run" && found.chi2_fall > kMost * chi2;
+      if (!found.refitted || (i > 0 && !gross)) continue;
       Refit there = refit(begun(now[i]));
       if (there.chi2 < chi2 - found.chi2_fall) {
         found.chi2_fall = chi2 - there.chi2;

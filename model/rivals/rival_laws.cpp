@@ -38,6 +38,7 @@ class Equation {
     pull_ = 0.5 * (ahead + behind);
     by_cos_ = ahead - pull_;
     by_sin_ = s_.drive.acceleration(0.5 * std::numbers::pi) - pull_;
+    first_edge_ = std::remainder(s_.friction.phase + s_.friction.lag, kTurn) - 0.5 * w * law.rise;
   }
 
   /// Eq. (5)'s acceleration by the platform and its tilt, by one sine and cosine.
@@ -50,11 +51,11 @@ class Equation {
     const double w = s_.drive.angular_frequency, wt = s_.start_phase + w * t;
     return w * (std::cos(wt) * by_sin_ - std::sin(wt) * by_cos_);
   }
-  /// `middle` lies in the same segment as t.
-  Deceleration deceleration(double t, double speed, double middle) const {
+  /// At the t of the segment.
+  Deceleration deceleration(double t, double speed) const {
     const double fading = speed / (0.25 * speed_), g = s_.drive.gravity;
     const double more = law_.stribeck != 0 ? law_.stribeck * std::exp(-fading * fading) : 0;
-    const Deceleration mu = friction(t, speed, middle);
+    const Deceleration mu = friction(t, speed);
     return {mu.value * g * (1 + more) + law_.viscous * speed,
             mu.by_speed * g * (1 + more) - mu.value * g * more * 2 * fading / (0.25 * speed_) + law_.viscous,
             mu.by_time * g * (1 + more)};
@@ -64,17 +65,27 @@ class Equation {
     const double speed = u.norm();
     return speed > 0 ? Eigen::Vector2d(u / speed) : drive(t).normalized();
   }
-  Eigen::Vector2d acceleration(double t, const Eigen::Vector2d& u, double middle) const {
-    return drive(t) - deceleration(t, u.norm(), middle).value * direction(t, u);
+  Eigen::Vector2d acceleration(double t, const Eigen::Vector2d& u) const {
+    return drive(t) - deceleration(t, u.norm()).value * direction(t, u);
   }
-  bool holds(double t, double middle) const {
-    return drive(t).norm() <= (1 + law_.static_friction) * deceleration(t, 0, middle).value;
+  bool holds(double t) const {
+    return drive(t).norm() <= (1 + law_.static_friction) * deceleration(t, 0).value;
+  }
+  /// The segment between two stations that holds `middle` is the one that all of the following ask about.
+  void enter(double middle) {
+    const double w = s_.drive.angular_frequency, width = s_.friction.pulse_width;
+    const double at_middle = s_.start_phase + w * middle - first_edge_;
+    const double into = at_middle - kTurn * std::floor(at_middle / kTurn);
+    open_ = into < width;
+    const double since = (into - (open_ ? 0 : width)) / w;  // its edge
+    on_ramp_ = width > 0 && since < law_.rise;
+    ramp_begins_ = middle - since;
   }
   /// Where mu jumps or bends, then the end.
   std::vector<double> stations() const {
     std::vector<double> times;
     const double w = s_.drive.angular_frequency, end = s_.end_time();
-    const double opens = first_edge(), closes = opens + s_.friction.pulse_width;
+    const double opens = first_edge_, closes = opens + s_.friction.pulse_width;
     for (const double edge : {opens, opens + law_.rise * w, closes, closes + law_.rise * w})
       for (double n = std::floor((s_.start_phase - edge) / kTurn);; ++n) {
         const double t = (edge + n * kTurn - s_.start_phase) / w;
@@ -87,25 +98,14 @@ class Equation {
   }
 
  private:
-  /// wt at which a first ramp begins.
-  double first_edge() const {
-    return std::remainder(s_.friction.phase + s_.friction.lag, kTurn) -
-           0.5 * s_.drive.angular_frequency * law_.rise;
-  }
   /// mu.
-  Deceleration friction(double t, double speed, double middle) const {
-    const double w = s_.drive.angular_frequency, width = s_.friction.pulse_width;
-    const double at_middle = s_.start_phase + w * middle - first_edge();
-    const double into = at_middle - kTurn * std::floor(at_middle / kTurn);
-    const bool opened = into < width;
+  Deceleration friction(double t, double speed) const {
     const double by_speed = s_.friction.reduced * law_.mu2_speed / speed_;
     const Deceleration reduced{s_.friction.reduced + by_speed * speed, by_speed, 0};
     const Deceleration nominal{s_.friction.nominal, 0, 0};
-    const Deceleration &now = opened ? reduced : nominal, &before = opened ? nominal : reduced;
-    if (!(law_.rise > 0) || !(width > 0)) return now;
-    const double since = (into - (opened ? 0 : width)) / w;  // of the segment's middle after its edge
-    if (since >= law_.rise) return now;
-    const double share = std::clamp((since + t - middle) / law_.rise, 0.0, 1.0);
+    const Deceleration &now = open_ ? reduced : nominal, &before = open_ ? nominal : reduced;
+    if (!on_ramp_) return now;
+    const double share = std::clamp((t - ramp_begins_) / law_.rise, 0.0, 1.0);
     return {before.value + share * (now.value - before.value),
             before.by_speed + share * (now.by_speed - before.by_speed),
             (now.value - before.value) / law_.rise};
@@ -114,7 +114,11 @@ class Equation {
   const Scenario& s_;
   RivalLaw law_;
   double speed_ = 0;                        ///< m/s, of the platform
+  double first_edge_ = 0;                   ///< wt at which a first ramp begins
   Eigen::Vector2d pull_, by_cos_, by_sin_;  ///< m/s^2
+  // Of the segment: mu2's; mu goes from one to the other, from when on, s.
+  bool open_ = false, on_ramp_ = false;
+  double ramp_begins_ = 0;
 };
 
 class Integration {
@@ -141,7 +145,7 @@ class Integration {
     State before = q_;
     double next_turn = turn;
     for (const double station : stations) {
-      middle_ = (t_ + station) / 2;
+      f_.enter((t_ + station) / 2);
       while (t_ < station) {
         if (q_.tail<2>().isZero(0)) rest(station);
         if (t_ < station) slide(station);
@@ -161,15 +165,15 @@ class Integration {
  private:
   /// At rest until the drive exceeds friction, found to rounding.
   void rest(double station) {
-    while (t_ < station && f_.holds(t_, middle_)) {
+    while (t_ < station && f_.holds(t_)) {
       double low = t_, high = std::min(t_ + scan_, station);
-      if (f_.holds(high, middle_)) {
+      if (f_.holds(high)) {
         t_ = high;
         continue;
       }
       while (high - low > 1e-14 * station) {
         const double between = (low + high) / 2;
-        (f_.holds(between, middle_) ? low : high) = between;
+        (f_.holds(between) ? low : high) = between;
       }
       t_ = high;
     }
@@ -197,7 +201,7 @@ class Integration {
       h *= std::clamp(factor, 0.2, 5.0);
       // The witness of a stop: the velocity has turned round or is all but gone, and friction holds.
       const Eigen::Vector2d u = q_.tail<2>();
-      if ((before.dot(u) <= 0 || u.norm() < stop_speed_) && f_.holds(t_, middle_)) {
+      if ((before.dot(u) <= 0 || u.norm() < stop_speed_) && f_.holds(t_)) {
         q_.tail<2>().setZero();
         return;
       }
@@ -230,7 +234,7 @@ class Integration {
         {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054}};
     // d - m(|u|) u/|u|, its derivatives by u and by time.
     const Eigen::Vector2d u = q_.tail<2>(), along = f_.direction(t_, u);
-    const Deceleration m = f_.deceleration(t_, u.norm(), middle_);
+    const Deceleration m = f_.deceleration(t_, u.norm());
     const Eigen::Matrix2d on_it = along * along.transpose();
     Eigen::Matrix2d jacobian = -m.by_speed * on_it;
     if (u.norm() > 0) jacobian -= m.value / u.norm() * (Eigen::Matrix2d::Identity() - on_it);
@@ -245,8 +249,8 @@ class Integration {
         sum += kC[i][j] / h * stage[j];
       }
       const Eigen::Vector2d velocity = at.tail<2>();
-      stage[i].tail<2>() = solved * (f_.acceleration(t_ + kTime[i] * h, velocity, middle_) + sum.tail<2>() +
-                                     h * kByTime[i] * by_time);
+      stage[i].tail<2>() =
+          solved * (f_.acceleration(t_ + kTime[i] * h, velocity) + sum.tail<2>() + h * kByTime[i] * by_time);
       stage[i].head<2>() = h * kGamma * (velocity + sum.head<2>() + stage[i].tail<2>());
     }
     return {at + stage[kStages - 1], stage[kStages - 1]};
@@ -254,7 +258,7 @@ class Integration {
 
   Equation f_;
   State q_, absolute_;
-  double t_ = 0, middle_ = 0, h_ = 0, first_step_ = 0, stop_speed_ = 0, scan_ = 0;
+  double t_ = 0, h_ = 0, first_step_ = 0, stop_speed_ = 0, scan_ = 0;
   long steps_ = 0;
 };
 
