@@ -23,9 +23,10 @@ struct RivalLaw {
   bool operator==(const RivalLaw&) const = default;
 };
 
-/// Displacement at the end of the run, m: Dormand-Prince 5(4) that stops and starts anew wherever mu has a
-/// kink, with sticking decided by the friction at rest. `tolerance` is relative to A and A w (the initial
-/// speed where the platform rests). A general integrator without derivatives, some ten times slower than
+/// Displacement at the end of the run, m: a Rosenbrock method of order 4 (3), L-stable since a part that
+/// creeps is stiff, that stops and starts anew wherever mu has a kink, with sticking decided by the friction
+/// at rest. `tolerance` is of each step, relative to A and A w (the initial speed where the platform rests)
+/// and to the way and the speed. A general integrator without derivatives, some ten times slower than
 /// integrate(). Throws InvalidParameter for a Stribeck strength of -1 and below, which makes friction
 /// negative at rest, for a rise longer than the pulse or the pause, for a start other than rest, and where
 /// too many steps are needed. Viscous friction of negative strength, which a fit may try, is taken as it

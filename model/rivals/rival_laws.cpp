@@ -123,7 +123,8 @@ class Equation {
 
 class Integration {
  public:
-  Integration(const Scenario& scenario, const RivalLaw& law, double tolerance) : f_(scenario, law) {
+  Integration(const Scenario& scenario, const RivalLaw& law, double tolerance)
+      : f_(scenario, law), tolerance_(tolerance) {
     const double platform = std::max(scenario.drive.amplitude, scenario.drive.amplitude_y);
     const double own = scenario.initial_velocity.norm();
     const double length = platform > 0 ? platform : own * scenario.end_time();
@@ -188,7 +189,7 @@ class Integration {
       const bool ends = t_ + h >= station || station - t_ - h < 1e-3 * h;
       if (ends) h = station - t_;
       const auto [next, error] = step(h);
-      const double size = error.cwiseQuotient(absolute_).cwiseAbs().maxCoeff();
+      const double size = error.cwiseQuotient(absolute_ + tolerance_ * next.cwiseAbs()).cwiseAbs().maxCoeff();
       const double factor = size > 0 ? 0.9 / std::sqrt(std::sqrt(size)) : 5;
       if (!(size <= 1)) {
         h *= std::isfinite(size) ? std::clamp(factor, 0.1, 0.9) : 0.1;
@@ -257,6 +258,7 @@ class Integration {
   }
 
   Equation f_;
+  double tolerance_;
   State q_, absolute_;
   double t_ = 0, h_ = 0, first_step_ = 0, stop_speed_ = 0, scan_ = 0;
   long steps_ = 0;
