@@ -107,7 +107,8 @@ class Tracking {
   FrameRange range_;  ///< of the frames to analyse
   Camera camera_;
   std::optional<MendedSource> mended_;  ///< where the camera has bad pixels
-  std::int64_t start_ = 0;              ///< the frame in which the part is first seen
+  Appearance appearance_;               ///< where the part is first seen
+  std::int64_t start_ = 0;              ///< in that frame
   std::unique_ptr<FirstPass> first_pass_;
   std::optional<CodingWatch> coding_;
   Track first_track_;                ///< of the first pass, where a lossy coder made the recording
@@ -130,15 +131,15 @@ void Tracking::check_camera_and_mend() {
 
 void Tracking::find_first_frame() {
   const auto running = clock_.enter(Stage::finding);
-  const Appearance seen = first_appearance(frames(), range_, options_);
-  start_ = seen.index;
-  add(result_.summary.warnings, seen.warning);
+  appearance_ = first_appearance(frames(), range_, options_);
+  start_ = appearance_.index;
+  add(result_.summary.warnings, appearance_.warning);
 }
 
 void Tracking::follow() {
   cache_first_frames(start_);
-  first_pass_ =
-      std::make_unique<FirstPass>(frames(), FrameRange{start_, range_.last}, camera_, options_, clock_);
+  first_pass_ = std::make_unique<FirstPass>(frames(), FrameRange{start_, range_.last}, appearance_, camera_,
+                                            options_, clock_);
   coding_.emplace(recording_, first_pass_->result().disc.radius);
   FramesReadAgain read_again(cache_, first_pass_->result(), options_.layers);
   const std::int64_t total = first_pass_->result().total;
@@ -150,7 +151,7 @@ void Tracking::follow() {
     if (options_.progress) options_.progress((k + 1) / (options_.layers == Layers::off ? 1 : 2), total);
   }
   result_.track = first_pass_->finish(result_.summary);
-  ask_if_it_rests(frames(), start_, result_.track, first_pass_->result().disc, options_);
+  if (first_pass_->rim()) ask_if_it_rests(frames(), start_, result_.track, *first_pass_->rim(), options_);
 }
 
 /// The second pass, kept where it does better than the first.
@@ -178,10 +179,6 @@ void Tracking::measure_layers() {
   summary.limit_px = layers.limit_px;
   if (layers.slow_sd > 0 && layers.slow_time > 0)
     summary.slow = {{"pictures", layers.slow_sd, layers.slow_time}};
-  if (layers.disc_radius > 0) {
-    summary.disc.radius = layers.disc_radius;
-    summary.disc_radius_sd = layers.disc_radius_sd;
-  }
 }
 
 /// What turns in the part, or glints, spoils its pictures, not its edge.

@@ -130,7 +130,6 @@ class LayeredPass {
   LayeredRegistration registration_;
   LearntPart learnt_;
   MeasuredFrames measured_;
-  double disc_radius_ = 0, disc_radius_sd_ = 0;  ///< of the averaged picture; 0 where it shows no circle
 };
 
 void LayeredPass::keep_windows() {
@@ -155,7 +154,7 @@ void LayeredPass::measure() {
       });
 }
 
-/// Positions are those of the rim's centre, and the radius is that of the averaged picture.
+/// Positions are those of the rim's centre in the averaged picture.
 void LayeredPass::take_centre_of_rim() {
   const double half = learnt_.part.half;
   const auto rim = fit_disc(learnt_.part.level, {half, half, first_.disc.radius}, 2);
@@ -165,8 +164,6 @@ void LayeredPass::take_centre_of_rim() {
     fix->state.centre.x += rim->circle.x - half;
     fix->state.centre.y += rim->circle.y - half;
   }
-  disc_radius_ = rim->circle.radius;
-  disc_radius_sd_ = rim->radius_sd;
 }
 
 /// To the debug sink: the layers, and the frames chosen for it.
@@ -187,8 +184,6 @@ LayeredOutcome LayeredPass::outcome() {
   out.done = true;
   out.slow_sd = measured_.slow_sd;
   out.audited = std::move(measured_.audited);
-  out.disc_radius = disc_radius_;
-  out.disc_radius_sd = disc_radius_sd_;
   return out;
 }
 

@@ -24,10 +24,9 @@ struct LayeredOutcome {
   bool done = false;  ///< else the track is as it was, and only the plan is filled
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
-  double limit_px = 0;                         ///< median standard deviation of a coordinate
-  double slow_sd = 0, slow_time = 0;           ///< see TrackSummary
-  std::vector<AuditFrame> audited;             ///< frames whose halves were compared
-  double disc_radius = 0, disc_radius_sd = 0;  ///< px; 0 where the averaged picture shows no circle
+  double limit_px = 0;                ///< median standard deviation of a coordinate
+  double slow_sd = 0, slow_time = 0;  ///< see TrackSummary
+  std::vector<AuditFrame> audited;    ///< frames whose halves were compared
 };
 
 /// Measures every frame again over the platform's own picture where that pays: positions, standard deviations

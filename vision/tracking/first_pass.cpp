@@ -51,8 +51,8 @@ double median(std::vector<double>& values) {
 
 }  // namespace
 
-FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera& camera,
-                     const TrackOptions& options, StageClock& clock)
+FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Appearance& seen,
+                     const Camera& camera, const TrackOptions& options, StageClock& clock)
     : source_(source),
       range_(range),
       options_(options),
@@ -61,7 +61,7 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
       noise_variance_(camera.noise_variance),
       first_(source.read(range.first)),
       setup_(timed(clock, Stage::setup,
-                   [&] { return set_up_part(first_, source, range, options, camera.noise_variance); })),
+                   [&] { return set_up_part(first_, source, range, seen, options, camera.noise_variance); })),
       rim_(rim_of(setup_, first_)),
       rim_shape_(shape_in(first_, rim_)),
       part_(setup_.average.picture(first_), range.first, setup_.pattern, setup_.follow, rim_shape_),

@@ -17,10 +17,13 @@ namespace tribotrack::vision {
 
 class FirstPass {
  public:
-  /// Keeps references. The part must be there in the first frame of the range. Throws InputError where it,
+  /// Keeps references. The range begins where the part is first seen. Throws InputError where it,
   /// the marker or the lamp cannot be followed from there.
-  FirstPass(FrameSource& source, const FrameRange& range, const Camera& camera, const TrackOptions& options,
-            StageClock& clock);
+  FirstPass(FrameSource& source, const FrameRange& range, const Appearance& seen, const Camera& camera,
+            const TrackOptions& options, StageClock& clock);
+
+  /// Of the part in the first frame.
+  const std::optional<DiscFit>& rim() const { return rim_; }
 
   /// The next frame; they must come in order. Where the part was seen, if it was: it may still turn out not
   /// to be the part.

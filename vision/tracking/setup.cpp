@@ -62,14 +62,14 @@ void set_up_rectangle(PartSetup& setup, const Picture& first, const FrameSource&
   setup.disc = {setup.pattern.centre.x, setup.pattern.centre.y, 0};
 }
 
-void locate_disc(PartSetup& setup, const Picture& first, const FrameSource& source, std::int64_t index,
+void locate_disc(PartSetup& setup, const Picture& first, const FrameSource& source, const Appearance& seen,
                  const TrackOptions& options) {
   if (options.target.kind == Target::Kind::disc) {
     check_whole(first, options.target.disc, source, "disc");
-    setup.rim = refined(first, options.target.disc);
+    setup.rim = seen.discs.empty() ? refined(first, options.target.disc) : seen.discs.front();
     if (!setup.rim) setup.warnings.push_back(no_rim_warning("disc", options.target.disc));
   } else {
-    setup.rim = find_part(first, source, index, options);
+    setup.rim = find_part(first, source, seen, options);
   }
   setup.disc = setup.rim ? setup.rim->circle : options.target.disc;
   setup.disc_radius_sd = setup.rim ? setup.rim->radius_sd : kClickSd;
@@ -111,7 +111,7 @@ void quiet_template(PartSetup& setup, double noise_cost, const Picture& first, F
 }  // namespace
 
 PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRange& range,
-                      const TrackOptions& options, double noise_variance) {
+                      const Appearance& seen, const TrackOptions& options, double noise_variance) {
   PartSetup setup;
   setup.follow.min_ncc = options.min_ncc;
   setup.follow.noise_variance = noise_variance;
@@ -119,7 +119,7 @@ PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRang
   if (options.target.kind == Target::Kind::rectangle) {
     set_up_rectangle(setup, first, source, options.target.rectangle);
   } else {
-    locate_disc(setup, first, source, range.first, options);
+    locate_disc(setup, first, source, seen, options);
     mask_disc(setup, first, noise_variance);
   }
   RegistrationOptions registration;

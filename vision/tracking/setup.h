@@ -45,7 +45,7 @@ struct PartSetup {
 
 /// Throws InputError where the part cannot be followed from this frame.
 PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRange& range,
-                      const TrackOptions& options, double noise_variance);
+                      const Appearance& seen, const TrackOptions& options, double noise_variance);
 
 // Pictures of the first pass for debugging.
 
