@@ -79,7 +79,9 @@ class Tracking {
     follow_rotation();
     audit_track();
     allow_for_coding();
-    measure_radius();
+    const std::vector<FirstPassFrame> seen = seen_frames(result_.track, start_).frames;
+    measure_radius(seen);
+    check_roundness(seen);
     prepend_absence();
     result_.stage_times = clock_.times();
     return std::move(result_);
@@ -95,7 +97,8 @@ class Tracking {
   void follow_rotation();
   void audit_track();
   void allow_for_coding();
-  void measure_radius();
+  void measure_radius(const std::vector<FirstPassFrame>& seen);
+  void check_roundness(const std::vector<FirstPassFrame>& seen);
   void prepend_absence();
   FrameSource& frames() { return mended_ ? static_cast<FrameSource&>(*mended_) : cache_; }
 
@@ -226,13 +229,12 @@ void Tracking::allow_for_coding() {
 
 /// Of the edge as seen the mean over several frames, where the first frame or the layers show it; and of the
 /// outer edge.
-void Tracking::measure_radius() {
+void Tracking::measure_radius(const std::vector<FirstPassFrame>& seen) {
   const auto running = clock_.enter(Stage::radius);
   TrackSummary& summary = result_.summary;
   summary.outer_radius = summary.disc.radius;
   summary.outer_radius_sd = summary.disc_radius_sd;
   if (!(summary.disc_blur > 0)) return;
-  const std::vector<FirstPassFrame> seen = seen_frames(result_.track, start_).frames;
   double common_sd = 0;
   if (const auto mean = seen_edge(frames(), seen, summary.disc.radius)) {
     summary.disc.radius = mean->circle.radius;
@@ -249,6 +251,14 @@ void Tracking::measure_radius() {
   summary.outer_radius_sd = std::hypot(summary.disc_radius_sd, edge.beyond_sd);
   summary.outer_radius_common_sd = std::hypot(common_sd, edge.beyond_sd);
   summary.plan.push_back(chamfer_stage(edge, chamfer.has_value()));
+}
+
+void Tracking::check_roundness(const std::vector<FirstPassFrame>& seen) {
+  const double radius = result_.summary.disc.radius;
+  if (seen.empty() || !(radius > 0)) return;
+  const FirstPassFrame& first = seen.front();
+  const Circle disc{first.centre.x, first.centre.y, radius};
+  add(result_.summary.warnings, roundness_warning(frames().read(first.index), disc));
 }
 
 /// Frames before the part was there are lost, and not counted against the track.

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "vision/edge/optics.h"
-#include "vision/layers/first_pass.h"
+#include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {
 

@@ -1,4 +1,4 @@
-#include "vision/layers/learning.h"
+#include "vision/layers/measuring.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "vision/kernels/median.h"
 #include "vision/kernels/parallel.h"
-#include "vision/layers/first_pass.h"
+#include "vision/layers/stage.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -1,18 +1,52 @@
 // Every frame measured over the pictures learnt.
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <optional>
 #include <vector>
 
 #include "vision/audit/halves.h"
 #include "vision/frame_source.h"
-#include "vision/layers/first_pass.h"
-#include "vision/layers/learning.h"
+#include "vision/layers/model/state.h"
 #include "vision/layers/registration/registration.h"
 #include "vision/stages/debug_pictures.h"
+#include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {
+
+// Learning the part's pictures from kept windows: which pictures, and where in each window?
+//
+// Each round learns the pictures from the windows in their present states, then measures the windows over
+// them, until the windows hardly move.
+
+struct LearntPart {
+  PartPictures part;
+  IlluminationSlope light;
+  double chi_squared = 1;  ///< per pixel, of the usual window
+  double sigma = 0;        ///< of a coordinate of the usual window, px
+  int rounds = 0;
+  std::size_t explained = 0;  ///< windows
+};
+
+/// Changes the windows' states, and tells the ground what is seen of it beside the part: within `hidden` px
+/// of the part none has been seen yet. The result is the same for any number of threads. `registration` is
+/// left with the pictures learnt.
+LearntPart learn_part(std::vector<KeptWindow>& windows, GroundPicture& ground,
+                      LayeredRegistration& registration, const FirstPassResult& first, double hidden,
+                      int threads);
+
+/// Over a run of frames, about each cluster's mean: what stays the same for the whole run moves all its
+/// positions alike, which is no error of a displacement.
+struct RunScatter {
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of a position, px^2
+  double white = 0;        ///< variance of a coordinate by the change from one frame to the next, px^2
+  double slow = 0;         ///< what the covariance has beyond it
+  double slow_frames = 0;  ///< over how many frames that stays alike: the integral of its correlation
+};
+
+/// `taken`: the share of the squares that the position has taken, along x and y.
+RunScatter run_scatter(const std::vector<ClusterPulls>& frames, const Eigen::Array2d& taken);
 
 struct MeasuredFrames {
   /// One per frame, nullopt where the model does not hold (too near the border, something in the way). Their

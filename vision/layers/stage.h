@@ -35,6 +35,16 @@ struct LayeredOutcome {
 LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                              const std::vector<ShownFrame>& shown, StageClock& clock, Track& track);
 
+/// Frames spread over a recording that the layers are learnt from, as far as the part is seen in them. The
+/// layers' own noise adds 1 / kLearningFrames to the variance.
+inline constexpr std::int64_t kLearningFrames = 128;
+/// Whether the frame at this place (0 .. total - 1) of those analysed is one of them.
+bool is_learning_frame(std::int64_t place, std::int64_t total);
+/// Half width of the part's grid, px: the part with its rim and its shadow.
+int layered_half(double radius, double blur);
+/// Px about the part's centre that are looked at in every frame.
+double layered_reach(double radius, double blur);
+
 /// Whether layered_stage() would try, as far as this is known: before the first pass its residuals are not.
 bool layers_wanted(const FirstPassResult& first, Layers layers);
 

@@ -6,6 +6,7 @@
 
 #include "vision/io/levels.h"
 #include "vision/layers/model/ground.h"
+#include "vision/layers/stage.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "vision/frame_source.h"
-#include "vision/layers/first_pass.h"
 #include "vision/layers/model/ground.h"
 #include "vision/layers/model/state.h"
 #include "vision/stages/first_pass_result.h"

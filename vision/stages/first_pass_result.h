@@ -6,8 +6,18 @@
 
 #include "vision/audit/halves.h"
 #include "vision/picture.h"
+#include "vision/track.h"
+#include "vision/tracker.h"
 
 namespace tribotrack::vision {
+
+struct FrameRange {
+  std::int64_t first = 0, last = 0;  ///< indices, both included
+  std::int64_t count() const { return last - first + 1; }
+};
+
+/// From the recording's own numbers. Throws InputError where it does not hold them.
+FrameRange frames_to_analyse(const FrameSource& source, const TrackOptions& options);
 
 struct FirstPassResult {
   std::int64_t first_index = 0;     ///< of the track's first point in the source
@@ -27,5 +37,36 @@ struct FirstPassResult {
   double ground_texture = 0;  ///< about the part in the first frame, grey levels rms beyond the noise
   double excess = 0;          ///< median residual beyond the noise, grey levels rms
 };
+
+/// A frame as the first pass left it.
+struct FirstPassFrame {
+  std::int64_t index = 0;
+  Point centre;
+  Point ground = {};  ///< the platform's displacement since the first frame
+};
+
+struct SeenFrames {
+  std::vector<FirstPassFrame> frames;
+  std::vector<std::size_t> places;  ///< in the track
+};
+
+/// The frames in which the part was found and, if asked for, the marker where there is one. `first_index` is
+/// that of the track's first point in the source.
+inline SeenFrames seen_frames(const Track& track, std::int64_t first_index, bool with_marker = false) {
+  SeenFrames seen;
+  const MarkerPoint* origin = nullptr;
+  for (std::size_t k = 0; k < track.points.size(); ++k) {
+    const TrackPoint& p = track.points[k];
+    if (p.status != TrackStatus::ok || (with_marker && track.has_marker && !p.marker)) continue;
+    FirstPassFrame f{first_index + static_cast<std::int64_t>(k), {p.x, p.y}};
+    if (p.marker) {
+      if (!origin) origin = &*p.marker;
+      f.ground = {p.marker->x - origin->x, p.marker->y - origin->y};
+    }
+    seen.frames.push_back(f);
+    seen.places.push_back(k);
+  }
+  return seen;
+}
 
 }  // namespace tribotrack::vision

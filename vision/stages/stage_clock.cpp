@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "vision/stages/debug_pictures.h"
-#include "vision/stages/frame_range.h"
+#include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <sstream>
 
-#include "vision/tracking/gate_lamp.h"
 #include "vision/tracking/notes.h"
 
 namespace tribotrack::vision {

@@ -11,7 +11,6 @@
 #include "vision/following/template_average.h"
 #include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
-#include "vision/stages/frame_range.h"
 #include "vision/tracking/target.h"
 
 namespace tribotrack::vision {

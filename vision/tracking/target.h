@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "vision/discs/disc_detection.h"
-#include "vision/stages/frame_range.h"
+#include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {
 
