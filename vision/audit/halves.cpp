@@ -33,7 +33,7 @@ bool is_dark(const Point& place) {
 
 std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const TileSums::Matrix& normal,
                                         const Eigen::Matrix2d& covariance) {
-  const FewFactor<TileSums::kMost> factor(normal);
+  const FewFactor factor(normal);
   // One half against the other, in the units of the position's error.
   const auto disagreement = [&](auto in_half) -> std::optional<Eigen::Vector2d> {
     TileSums::Vector score = TileSums::Vector::Zero(normal.rows());

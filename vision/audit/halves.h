@@ -45,9 +45,8 @@ double supported(const MeanSquare& found);
 /// Sums over one tile of 8 x 8 pixels at the optimum of a registered frame. Parameters: x, y, then nuisances
 /// (gain, offset, ...); weights are 1 / variance of a level.
 struct TileSums {
-  static constexpr int kMost = 8;  ///< parameters
-  using Vector = Few<kMost>;
-  using Matrix = FewByFew<kMost>;
+  using Vector = Few;
+  using Matrix = FewByFew;
   /// The tile's middle, px from the part's centre on the part's own grid: the same from frame to frame.
   Point place;
   Vector score;   ///< sum of w J r

@@ -47,7 +47,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   sample_template(fraction, true);
   Pose formed = fraction;  // where the derivatives belong to
   Matrix normal = normal_matrix();
-  FewFactor<5> factor(normal);
+  FewFactor factor(normal);
   double gain = 1;
   double offset = 0;
   const double noise_sd = std::sqrt(options_.noise_variance);

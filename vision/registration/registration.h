@@ -87,8 +87,8 @@ class TemplateRegistration {
   double template_noise_cost() const { return template_noise_cost_; }
 
  private:
-  using Matrix = FewByFew<5>;
-  using Vector = Few<5>;
+  using Matrix = FewByFew;
+  using Vector = Few;
   void choose_pixels();
   void sample_template(const Pose& fraction, bool slopes);
   void sample_turned(const Pose& fraction, bool slopes);
