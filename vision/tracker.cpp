@@ -127,13 +127,13 @@ void Tracking::cache_first_frames(std::int64_t first) {
 }
 
 void Tracking::check_camera_and_mend() {
-  const auto running = clock_.enter(Stage::camera);
+  const auto running = clock_.enter("camera: noise, bad pixels");
   camera_ = check_camera(cache_, range_);
   if (!camera_.bad_pixels.empty()) mended_.emplace(cache_, camera_.bad_pixels);
 }
 
 void Tracking::find_first_frame() {
-  const auto running = clock_.enter(Stage::finding);
+  const auto running = clock_.enter("finding the part");
   appearance_ = first_appearance(frames(), range_, options_);
   start_ = appearance_.index;
   add(result_.summary.warnings, appearance_.warning);
@@ -198,13 +198,13 @@ void Tracking::measure_edge() {
 
 /// At the final centres.
 void Tracking::follow_rotation() {
-  const auto running = clock_.enter(Stage::rotation);
+  const auto running = clock_.enter("rotation by rings");
   measure_rotation(frames(), first_pass_->result(), result_.track, result_.summary.plan, options_.threads);
 }
 
 /// Of the pass that the positions are from.
 void Tracking::audit_track() {
-  const auto running = clock_.enter(Stage::audit);
+  const auto running = clock_.enter("audit");
   apply(audit(audited_, result_.track), result_.track, result_.summary);
 }
 
@@ -212,7 +212,7 @@ void Tracking::audit_track() {
 void Tracking::allow_for_coding() {
   const auto& coder = recording_.info().coder;
   if (!coder || coding_->frames().empty()) return;
-  const auto running = clock_.enter(Stage::audit);
+  const auto running = clock_.enter("audit");
   CodedTrack coded{.coder = *coder, .frames = coding_->frames(), .first_index = start_};
   const std::int64_t first = coded.frames.front().index;
   const Picture picture = frames().read(first);
@@ -230,7 +230,7 @@ void Tracking::allow_for_coding() {
 /// Of the edge as seen the mean over several frames, where the first frame or the layers show it; and of the
 /// outer edge.
 void Tracking::measure_radius(const std::vector<FirstPassFrame>& seen) {
-  const auto running = clock_.enter(Stage::radius);
+  const auto running = clock_.enter("radius of the disc");
   TrackSummary& summary = result_.summary;
   summary.outer_radius = summary.disc.radius;
   summary.outer_radius_sd = summary.disc_radius_sd;

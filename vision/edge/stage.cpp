@@ -82,7 +82,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   PlanStage& stage = out.plan.emplace_back(
       PlanStage{.name = kName, .reason = reason_against(first, options, coded, turning, stated)});
   if (!stage.reason.empty()) return out;
-  const auto running = clock.enter(Stage::edge);
+  const auto running = clock.enter("edge in bands");
   const auto [frames, places] = seen_frames(track, first.first_index);
   const EdgeTrack edge = track_edge(
       source, frames,

@@ -133,7 +133,7 @@ class LayeredPass {
 };
 
 void LayeredPass::keep_windows() {
-  const auto running = clock_.enter(Stage::layers_learning);
+  const auto running = clock_.enter("layers: learning");
   kept_ = learning_frames_.read(ground_);
   // A picture that holds little more than the part shows its ground beside it only, in what shadow there is.
   if (ground_.known_share() >= kFewestKnown) return;
@@ -142,12 +142,12 @@ void LayeredPass::keep_windows() {
 }
 
 void LayeredPass::learn() {
-  const auto running = clock_.enter(Stage::layers_learning);
+  const auto running = clock_.enter("layers: learning");
   learnt_ = learn_part(kept_, ground_, registration_, first_, hidden_, options_.threads);
 }
 
 void LayeredPass::measure() {
-  const auto running = clock_.enter(Stage::layers_measuring);
+  const auto running = clock_.enter("layers: measuring");
   measured_ =
       measure_frames(source_, frames_, registration_, learnt_, options_.threads, [this](std::int64_t done) {
         if (options_.progress) options_.progress((first_.total + done) / 2, first_.total);
@@ -169,7 +169,7 @@ void LayeredPass::take_centre_of_rim() {
 /// To the debug sink: the layers, and the frames chosen for it.
 void LayeredPass::show() {
   if (!options_.debug) return;
-  const auto running = clock_.enter(Stage::debug_pictures);
+  const auto running = clock_.enter("debug pictures");
   show_layers(learnt_.part, ground_, *options_.debug);
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     const auto shown = std::ranges::find(shown_, frames_[k].index, &ShownFrame::index);

@@ -11,7 +11,7 @@ namespace {
 
 /// The call's result, its time counted for a stage.
 template <class Call>
-auto timed(StageClock& clock, Stage stage, const Call& call) {
+auto timed(StageClock& clock, const char* stage, const Call& call) {
   const auto running = clock.enter(stage);
   return call();
 }
@@ -59,18 +59,18 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Appeara
       bad_pixels_(camera.bad_pixels.size()),
       noise_variance_(camera.noise_variance),
       first_(source.read(range.first)),
-      setup_(timed(clock, Stage::setup,
+      setup_(timed(clock, "template of the part",
                    [&] { return set_up_part(first_, source, range, seen, options, camera.noise_variance); })),
       rim_(rim_of(setup_, first_)),
       rim_shape_(shape_in(first_, rim_)),
       part_(setup_.average.picture(first_), range.first, setup_.pattern, setup_.follow, rim_shape_),
       marker_(timed(
-          clock, Stage::marker,
+          clock, "first pass: marker",
           [&] { return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc); })),
       audited_(audit_runs(range.first, range.count())) {
   if (options.gate) lamp_.emplace(*options.gate, source);
   if (asks_ground(options)) {
-    const auto running = clock.enter(Stage::marker);
+    const auto running = clock.enter("first pass: marker");
     glance_.emplace(first_, over_ground(setup_.pattern.centre, setup_.pattern, options), range.first,
                     range.last, kGroundGlance, noise_variance_);
   }
@@ -110,8 +110,8 @@ std::optional<Circle> FirstPass::mark() const {
 }
 
 FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
-  FollowStep step =
-      timed(clock_, Stage::part, [&] { return part_.step(source_, index, in_audit(audited_, index)); });
+  FollowStep step = timed(clock_, "first pass: part",
+                          [&] { return part_.step(source_, index, in_audit(audited_, index)); });
   if (step.confirms_previous && tentative_) {
     fill(track_.points.back(), *tentative_);
     result_.theta.back() = tentative_->pose.theta;
@@ -138,14 +138,14 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
 
 void FirstPass::follow_marker(std::int64_t index, TrackPoint& point) {
   if (!marker_.follower) return;
-  const auto running = clock_.enter(Stage::marker);
+  const auto running = clock_.enter("first pass: marker");
   if (const FollowStep seen = marker_.follower->step(source_, index); seen.status == TrackStatus::ok)
     point.marker = marker_point(*seen.sighting);
 }
 
 void FirstPass::sample_lamp(std::int64_t index, TrackPoint& point) {
   if (!lamp_) return;
-  const auto running = clock_.enter(Stage::lamp);
+  const auto running = clock_.enter("first pass: gate lamp");
   const GateLamp::Sample light = lamp_->sample(source_, index);
   point.gate = light.level;
   clipped_share_ = std::max(clipped_share_, light.clipped_share);
@@ -154,13 +154,13 @@ void FirstPass::sample_lamp(std::int64_t index, TrackPoint& point) {
 void FirstPass::glance_at_ground(std::int64_t index, const FollowStep& step) {
   if (step.sighting) last_seen_ = step.sighting->position;
   if (!glance_ || !glance_->wants(index)) return;
-  const auto running = clock_.enter(Stage::marker);
+  const auto running = clock_.enter("first pass: marker");
   glance_->see(source_, index, over_ground(last_seen_, setup_.pattern, options_));
 }
 
 /// Where it serves as the marker, or is seen to move.
 void FirstPass::follow_ground(TrackSummary& summary) {
-  const auto running = clock_.enter(Stage::marker);
+  const auto running = clock_.enter("first pass: marker");
   if (glance_) {
     const GroundVerdict ground = look_at_ground(glance_->sample(), noise_variance_);
     if (!ground.moves) summary.plan.push_back(ground_marker_stage(ground.reason, 0));
@@ -209,7 +209,7 @@ Track FirstPass::finish(TrackSummary& summary) {
 
 void FirstPass::show(const Track& track, const std::vector<ShownFrame>& frames) {
   if (!options_.debug) return;
-  const auto running = clock_.enter(Stage::debug_pictures);
+  const auto running = clock_.enter("debug pictures");
   show_template(setup_, first_, *options_.debug);
   show_first_pass(setup_, first_, result_, track, frames, source_, *options_.debug);
 }
