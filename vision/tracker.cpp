@@ -1,5 +1,7 @@
 #include "vision/tracker.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -57,6 +59,30 @@ double predicted_error(Track track, const std::vector<AuditFrame>& audited) {
     ++count;
   }
   return count > 0 ? std::sqrt(square / count) : std::numeric_limits<double>::infinity();
+}
+
+/// What lies beyond the edge that is seen.
+PlanStage chamfer_stage(const OuterEdge& edge, bool given) {
+  const std::string ring =
+      given ? fmt::format("a chamfer of {:.2f} px is given", edge.widest)
+      : edge.measured
+          ? fmt::format("a chamfer of {:.2f} px is seen in the rays of the mean picture", edge.widest)
+          : fmt::format("a chamfer of up to {:.2f} px as dark as the ground would not show", edge.widest);
+  return {
+      .name = "chamfer",
+      .on = edge.measured,
+      .reason = fmt::format("{}; the outer edge lies {:.2f} px beyond the edge that is seen, sd {:.2f} px",
+                            ring, edge.beyond, edge.beyond_sd),
+      .error_bound_px = edge.measured ? std::optional<double>() : edge.beyond_sd};
+}
+
+/// Where the residual beyond the noise is large; levels rms.
+std::optional<std::string> excess_warning(double excess, double noise) {
+  if (!(excess > 0.5 * noise)) return std::nullopt;
+  return fmt::format(
+      "the registration leaves {:.2f} grey levels rms beyond the noise of {:.2f} (moving ground seen through "
+      "the edge, glare, compression): the standard deviations are widened accordingly",
+      excess, noise);
 }
 
 /// One call of track().

@@ -11,6 +11,7 @@
 #include "vision/discs/rim_steps.h"
 #include "vision/edge/samples.h"
 #include "vision/io/levels.h"
+#include "vision/synthesis/camera.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -70,16 +71,6 @@ std::optional<RimOptics> optics_of_mean(FrameSource& source, const std::vector<F
   const RaySamples rays = samples_of_mean(grid, mean, noise_variance, count);
   return likeliest_optics(RayFields(grid, kCell), rays, rings(kWidest * radius, blur),
                           RayFields::Beside::chamfer);
-}
-
-/// t with Phi(t) = share.
-double normal_quantile(double share) {
-  double low = -6, high = 6;
-  while (high - low > 1e-9) {
-    const double middle = 0.5 * (low + high);
-    (0.5 * std::erfc(-middle / std::numbers::sqrt2) < share ? low : high) = middle;
-  }
-  return low;
 }
 
 /// kappa, for levels stored by the light's power.

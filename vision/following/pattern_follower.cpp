@@ -22,14 +22,6 @@ double distance(const Point& a, const Point& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-Rect clipped(const Rect& r, const Rect& bounds) {
-  const int x0 = std::max(r.x, bounds.x);
-  const int y0 = std::max(r.y, bounds.y);
-  const int x1 = std::min(r.x + r.width, bounds.x + bounds.width);
-  const int y1 = std::min(r.y + r.height, bounds.y + bounds.height);
-  return {x0, y0, std::max(0, x1 - x0), std::max(0, y1 - y0)};
-}
-
 RegistrationOptions registration_options(const FollowOptions& options) {
   RegistrationOptions out;
   out.noise_variance = options.noise_variance;
@@ -212,7 +204,7 @@ std::optional<Sighting> PatternFollower::near(FrameSource& source, std::int64_t 
   const int shift_x = static_cast<int>(std::lround(predicted.x - pattern_.centre.x));
   const int shift_y = static_cast<int>(std::lround(predicted.y - pattern_.centre.y));
   const Rect& w = pattern_.window;
-  const Rect window = clipped(
+  const Rect window = common(
       {w.x + shift_x - margin, w.y + shift_y - margin, w.width + 2 * margin, w.height + 2 * margin}, bounds);
   if (window.width < w.width / 2 || window.height < w.height / 2) return std::nullopt;
   source.read(index, window, picture_);

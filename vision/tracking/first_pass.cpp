@@ -1,9 +1,11 @@
 #include "vision/tracking/first_pass.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
+#include "vision/kernels/median.h"
 #include "vision/tracking/notes.h"
 
 namespace tribotrack::vision {
@@ -41,11 +43,43 @@ void fill(TrackPoint& point, const Sighting& s) {
   point.rho_xy = s.covariance(0, 1) / (point.sigma_x * point.sigma_y);
 }
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+PlanStage bad_pixels_stage(std::size_t found) {
+  if (found == 0)
+    return {.name = "bad pixels",
+            .reason = "no pixel differs from all its neighbours in all of the first frames",
+            .error_bound_px = 0};  // nothing to replace: the pictures are the same either way
+  return {.name = "bad pixels",
+          .on = true,
+          .reason = fmt::format("{} differ from their neighbours in all of the first frames and are replaced "
+                                "by the median of the neighbours",
+                                found)};
+}
+
+/// Stages that only some frames need.
+std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t frames) {
+  const double proved = static_cast<double>(effort.proved_by_refinement) /
+                        static_cast<double>(std::max<std::int64_t>(1, frames));
+  return {
+      {.name = "correlation over the predicted window",
+       .on = effort.window_searches > 0,
+       .reason = fmt::format("refinement from the prediction confirmed the match in {:.1f} % of the frames",
+                             100 * proved)},
+      {.name = "search of the whole frame",
+       .on = effort.whole_frame_searches > 0,
+       .reason = fmt::format("needed in {} frames, where the part was lost", effort.whole_frame_searches)}};
+}
+
+/// In how many of the frames in which the part was seen the rim alone measures it.
+PlanStage rim_stage(std::int64_t by_rim, std::int64_t seen) {
+  return {
+      .name = "rim alone",
+      .on = by_rim > 0,
+      .reason =
+          by_rim > 0
+              ? fmt::format("the template was not confirmed in {} of {} frames in which the part's edge was: "
+                            "those are measured by the edge",
+                            by_rim, seen)
+              : fmt::format("the template was confirmed in all {} frames", seen)};
 }
 
 }  // namespace
@@ -172,7 +206,9 @@ void FirstPass::follow_ground(TrackSummary& summary) {
       follow_platform(source_, range_.first, options_, noise_variance_, setup_.pattern, track_);
   summary.ground_is_marker = marker.followed;
   summary.plan.push_back(marker.stage);
-  if (marker.lost > 0) summary.warnings.push_back(texture_lost_warning(marker.lost));
+  if (marker.lost > 0)
+    summary.warnings.push_back(
+        fmt::format("the platform's texture was not found again in {} frames", marker.lost));
 }
 
 Track FirstPass::finish(TrackSummary& summary) {
@@ -195,7 +231,12 @@ Track FirstPass::finish(TrackSummary& summary) {
   static_cast<FrameCounts&>(summary) = count(track_, options_.max_lost_share);
   summary.refound = refound_;
   add(summary.plan, search_stages(part_.effort(), summary.frames));
-  if (part_.effort().ended) summary.warnings.push_back(alike_warning(source_.number(*part_.effort().ended)));
+  if (part_.effort().ended)
+    summary.warnings.push_back(fmt::format(
+        "the track ends before frame {}: from there on others that look like the part may have come to where "
+        "it "
+        "is seen; record at a higher rate, or mark the part",
+        source_.number(*part_.effort().ended)));
   if (rim_shape_) summary.plan.push_back(rim_stage(std::ranges::count(result_.by_rim, true), summary.ok));
   if (options_.target.kind == Target::Kind::find_disc) {
     const auto still = stillness_warning(track_, summary.disc);
@@ -230,11 +271,11 @@ GateLamp::GateLamp(const Circle& circle, const FrameSource& source)
   const int y1 = static_cast<int>(std::ceil(circle.y + circle.radius));
   window_ = {x0, y0, x1 - x0 + 1, y1 - y0 + 1};
   if (!(circle.radius > 0) || !source.bounds().contains(window_)) {
-    std::ostringstream text;
-    text << source.info().path.string() << ": the gate's lamp at (" << circle.x << ", " << circle.y
-         << ") px with radius " << circle.radius << " px is not wholly in the " << source.info().width
-         << " x " << source.info().height << " picture; correct gate_px";
-    throw InputError(text.str());
+    throw InputError(fmt::format(
+        "{}: the gate's lamp at ({:g}, {:g}) px with radius {:g} px is not wholly in the {} x {} picture; "
+        "correct gate_px",
+        source.info().path.string(), circle.x, circle.y, circle.radius, source.info().width,
+        source.info().height));
   }
   for (int y = 0; y < window_.height; ++y)
     for (int x = 0; x < window_.width; ++x) pixels_ += in_circle(circle_, window_.x + x, window_.y + y);

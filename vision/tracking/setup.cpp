@@ -10,6 +10,7 @@
 #include "vision/camera/pixels.h"
 #include "vision/following/template_average.h"
 #include "vision/io/levels.h"
+#include "vision/kernels/median.h"
 #include "vision/registration/registration.h"
 #include "vision/tracking/notes.h"
 
@@ -34,15 +35,10 @@ double ground_texture(const Picture& first, const Circle& disc, double blur, dou
       if (rho >= inner && rho <= outer) levels.push_back(first.at(x, y));
     }
   if (levels.size() < 20) return 0;
-  const auto median = [&] {
-    const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
-    std::nth_element(levels.begin(), middle, levels.end());
-    return *middle;
-  };
-  const float centre = median();
+  const float centre = median(levels);
   for (float& level : levels) level = std::abs(level - centre);
   // The median of whole levels is coarse: good enough to reject outliers, not for the texture itself.
-  const double outlier = 4 * std::max(1.0, 1.4826 * median());
+  const double outlier = 4 * std::max(1.0, kNormalMad * median(levels));
   double squares = 0;
   double count = 0;
   for (const float level : levels)
@@ -76,6 +72,15 @@ void locate_disc(PartSetup& setup, const Picture& first, const FrameSource& sour
   setup.disc_blur = setup.rim ? setup.rim->blur : 0;
 }
 
+/// Levels rms: texture of the ground around the disc, and the noise.
+PlanStage mask_stage(bool beyond_rim, double texture, double noise) {
+  return {.name = "mask beyond the rim",
+          .on = beyond_rim,
+          .reason = fmt::format(
+              "the ground around the disc has a texture of {:.1f} grey levels rms against noise of {:.1f}",
+              texture, noise)};
+}
+
 /// A textured ground around the disc moves against it: then the mask ends at the rim.
 void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
   const double noise = std::sqrt(noise_variance);
@@ -83,6 +88,19 @@ void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
   const bool beyond_rim = !(setup.ground_texture > kTextureFactor * noise);
   setup.pattern = disc_pattern(first, setup.disc, beyond_rim ? 3 : 0);
   setup.plan.push_back(mask_stage(beyond_rim, setup.ground_texture, noise));
+}
+
+/// `limit_theta` rad: Cramer-Rao bound of the rotation; `visible`: it is small enough for a first frame.
+PlanStage rotation_stage(bool on, bool visible, double limit_theta) {
+  constexpr double kAnyAngle = 10;  // rad: rotation is not visible at all
+  PlanStage stage{.name = "rotation", .on = on, .reason = {}};
+  if (visible && !on)
+    stage.reason = "what looks like a texture of the part is not seen again in the following frames";
+  else if (limit_theta < kAnyAngle)
+    stage.reason = fmt::format("the part's texture shows its rotation to {:.3g} rad", limit_theta);
+  else
+    stage.reason = "the part has no texture above the noise that shows rotation";
+  return stage;
 }
 
 void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const Picture& first,
@@ -93,6 +111,23 @@ void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const 
       visible && (setup.pattern.radius == 0 ||
                   texture_returns(source, first, range.first, range.last, setup.pattern, setup.follow));
   setup.plan.push_back(rotation_stage(setup.follow.rotation, visible, trial.limit_theta()));
+}
+
+/// A single template's noise adds `noise_cost` to the variance, relative, and `adds_px` to the standard
+/// deviation. `agreeing` frames: nothing where averaging was not tried.
+PlanStage template_stage(bool may_turn, double noise_cost, std::optional<int> agreeing, double adds_px) {
+  PlanStage stage{.name = "template averaged over the first frames",
+                  .on = agreeing.value_or(1) > 1,
+                  .reason = {},
+                  .error_bound_px = adds_px};
+  if (may_turn) {
+    stage.reason = "the part may turn: frames cannot be averaged";
+    return stage;
+  }
+  stage.reason =
+      fmt::format("the noise of a single template adds {:.2g} % to the variance", 100 * noise_cost);
+  if (agreeing) stage.reason += fmt::format("; {} frames agree", *agreeing);
+  return stage;
 }
 
 /// The template is averaged over the first frames where its noise matters.
