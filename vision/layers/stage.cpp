@@ -75,6 +75,57 @@ std::optional<PlanStage> reason_against(const FirstPassResult& first, const Trac
   return stage;
 }
 
+void change(TrackPoint& point, const LayeredFix& fix) {
+  point.x = fix.state.centre.x;
+  point.y = fix.state.centre.y;
+  point.sigma_x = std::sqrt(fix.covariance(0, 0));
+  point.sigma_y = std::sqrt(fix.covariance(1, 1));
+  point.rho_xy = fix.covariance(0, 1) / (point.sigma_x * point.sigma_y);
+  point.ncc = fix.ncc;
+}
+
+/// How the second pass changed a track.
+struct Change {
+  std::int64_t measured = 0;  ///< frames
+  std::int64_t kept = 0;      ///< frames that keep the first pass's position
+  double median_sd = 0;       ///< of a coordinate of the measured ones, px
+  double moved = 0;           ///< px rms, without the mean
+};
+
+Change replace_positions(Track& track, const std::vector<std::size_t>& places,
+                         const std::vector<std::optional<LayeredFix>>& fixes) {
+  std::vector<bool> changed(track.points.size(), false);
+  std::vector<double> sds;
+  Point moved;
+  double square = 0;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    if (!fixes[k]) continue;
+    TrackPoint& p = track.points[places[k]];
+    const double x = fixes[k]->state.centre.x - p.x, y = fixes[k]->state.centre.y - p.y;
+    square += std::pow(x, 2) + std::pow(y, 2);
+    moved.x += x;
+    moved.y += y;
+    change(p, *fixes[k]);
+    changed[places[k]] = true;
+    sds.push_back(std::sqrt(0.5 * fixes[k]->covariance.trace()));
+  }
+  Change out;
+  if (sds.empty()) return out;
+  const auto count = static_cast<double>(sds.size());
+  // The rest moves with the mean, so that both passes refer to the same point of the disc.
+  for (std::size_t k = 0; k < track.points.size(); ++k)
+    if (track.points[k].status == TrackStatus::ok && !changed[k]) {
+      track.points[k].x += moved.x / count;
+      track.points[k].y += moved.y / count;
+      ++out.kept;
+    }
+  out.measured = static_cast<std::int64_t>(sds.size());
+  out.moved =
+      std::sqrt(std::max(0.0, (square - (moved.x * moved.x + moved.y * moved.y) / count) / (2 * count)));
+  out.median_sd = median(sds);
+  return out;
+}
+
 class LayeredPass {
  public:
   LayeredPass(FrameSource& source, const std::vector<FirstPassFrame>& frames, const FirstPassResult& first,
@@ -90,27 +141,22 @@ class LayeredPass {
         ground_(learning_frames_.region()),
         registration_(ground_) {}
 
-  /// False where hardly any frame is explained.
-  bool run() {
+  /// Changes the points of `track` at the frames' places in it.
+  LayeredOutcome run(const std::vector<std::size_t>& places, Track& track) {
     keep_windows();
     learn();
-    if (learnt_.explained < kFewest) return false;
+    if (learnt_.explained < kFewest)
+      return left_out("the pictures learnt explain hardly any frame; " + finding(first_));
     measure();
     show();
     take_centre_of_rim();
-    return true;
+    const Change change = replace_positions(track, places, measured_.fixes);
+    if (change.measured == 0) return left_out("the layers explain no frame; " + finding(first_));
+    return outcome(change, track);
   }
-  std::vector<std::optional<LayeredFix>>& fixes() { return measured_.fixes; }
-  /// All but what depends on the track.
-  LayeredOutcome outcome();
-  std::string summary() const {
-    return fmt::format("learnt from {} frames in {} rounds; {:.4f} px of the errors change slowly",
-                       kept_.size(), learnt_.rounds, measured_.slow_sd);
-  }
-  std::size_t windows() const { return kept_.size(); }
-  double slow_frames() const { return measured_.slow_frames; }
 
  private:
+  LayeredOutcome outcome(const Change& change, const Track& track);
   void keep_windows();
   void learn();
   void measure();
@@ -179,88 +225,35 @@ void LayeredPass::show() {
   }
 }
 
-LayeredOutcome LayeredPass::outcome() {
+LayeredOutcome LayeredPass::outcome(const Change& change, const Track& track) {
   LayeredOutcome out;
   out.done = true;
+  out.limit_px = change.median_sd;
   out.slow_sd = measured_.slow_sd;
-  out.audited = std::move(measured_.audited);
-  return out;
-}
-
-void change(TrackPoint& point, const LayeredFix& fix) {
-  point.x = fix.state.centre.x;
-  point.y = fix.state.centre.y;
-  point.sigma_x = std::sqrt(fix.covariance(0, 0));
-  point.sigma_y = std::sqrt(fix.covariance(1, 1));
-  point.rho_xy = fix.covariance(0, 1) / (point.sigma_x * point.sigma_y);
-  point.ncc = fix.ncc;
-}
-
-/// How the second pass changed a track.
-struct Change {
-  std::int64_t measured = 0;  ///< frames
-  std::int64_t kept = 0;      ///< frames that keep the first pass's position
-  double median_sd = 0;       ///< of a coordinate of the measured ones, px
-  double moved = 0;           ///< px rms, without the mean
-};
-
-Change replace_positions(Track& track, const std::vector<std::size_t>& places,
-                         const std::vector<std::optional<LayeredFix>>& fixes) {
-  std::vector<bool> changed(track.points.size(), false);
-  std::vector<double> sds;
-  Point moved;
-  double square = 0;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    if (!fixes[k]) continue;
-    TrackPoint& p = track.points[places[k]];
-    const double x = fixes[k]->state.centre.x - p.x, y = fixes[k]->state.centre.y - p.y;
-    square += std::pow(x, 2) + std::pow(y, 2);
-    moved.x += x;
-    moved.y += y;
-    change(p, *fixes[k]);
-    changed[places[k]] = true;
-    sds.push_back(std::sqrt(0.5 * fixes[k]->covariance.trace()));
-  }
-  Change out;
-  if (sds.empty()) return out;
-  const auto count = static_cast<double>(sds.size());
-  // The rest moves with the mean, so that both passes refer to the same point of the disc.
-  for (std::size_t k = 0; k < track.points.size(); ++k)
-    if (track.points[k].status == TrackStatus::ok && !changed[k]) {
-      track.points[k].x += moved.x / count;
-      track.points[k].y += moved.y / count;
-      ++out.kept;
-    }
-  out.measured = static_cast<std::int64_t>(sds.size());
-  out.moved =
-      std::sqrt(std::max(0.0, (square - (moved.x * moved.x + moved.y * moved.y) / count) / (2 * count)));
-  out.median_sd = median(sds);
-  return out;
-}
-
-/// Of errors that so many frames share, s.
-double correlation_time(double frames, const Track& track) {
   const double duration = track.points.back().time_s - track.points.front().time_s;
-  return frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
-}
-
-PlanStage layers_stage(const LayeredPass& pass, const FirstPassResult& first, double moved) {
-  std::string reason = finding(first) + "; " + pass.summary();
-  reason += fmt::format("; positions moved by {:.4f} px rms", moved);
+  out.slow_time =
+      measured_.slow_frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
+  out.audited = std::move(measured_.audited);
   // Of what the frames tell at a place its share of the ground and the ground there take one frame's each.
-  reason += fmt::format(
-      "; what frames share through the noise of the pictures, some {:.1f} % of a position's variance, is not "
-      "counted between them",
-      200.0 / static_cast<double>(std::max<std::size_t>(1, pass.windows())));
-  return {.name = kName, .on = true, .reason = std::move(reason), .error_bound_px = moved};
-}
-
-std::string kept_warning(std::int64_t frames) {
-  return fmt::format(
-      "{} frames keep the position of the first pass, in which the ground is seen through the edge "
-      "(the ground about the part is not known there, or something covers it): their standard deviations are "
-      "wider",
-      frames);
+  out.plan.push_back(
+      {.name = kName,
+       .on = true,
+       .reason = fmt::format("{}; learnt from {} frames in {} rounds; {:.4f} px of the errors change slowly; "
+                             "positions moved by "
+                             "{:.4f} px rms; what frames share through the noise of the pictures, some "
+                             "{:.1f} % of a position's "
+                             "variance, is not counted between them",
+                             finding(first_), kept_.size(), learnt_.rounds, measured_.slow_sd, change.moved,
+                             200.0 / static_cast<double>(std::max<std::size_t>(1, kept_.size()))),
+       .error_bound_px = change.moved});
+  if (change.kept > 0)
+    out.warnings.push_back(fmt::format(
+        "{} frames keep the position of the first pass, in which the ground is seen through the edge "
+        "(the ground about the part is not known there, or something covers it): their standard deviations "
+        "are "
+        "wider",
+        change.kept));
+  return out;
 }
 
 }  // namespace
@@ -282,10 +275,6 @@ double layered_reach(double radius, double blur) {
   return layered_half(radius, blur) + kContext;
 }
 
-bool layers_wanted(const FirstPassResult& first, Layers layers) {
-  return layers != Layers::off && first.blur > 0;
-}
-
 LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                              const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
   if (auto reason = reason_against(first, track, options.layers)) {
@@ -296,23 +285,14 @@ LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, 
   const SeenFrames seen = seen_frames(track, first.first_index, true);
   if (seen.frames.size() < kFewest)
     return left_out("too few frames to learn the layers from; " + finding(first));
-  LayeredPass pass(source, seen.frames, first, options, shown, clock);
-  if (!pass.run()) return left_out("the pictures learnt explain hardly any frame; " + finding(first));
-  const Change change = replace_positions(track, seen.places, pass.fixes());
-  if (change.measured == 0) return left_out("the layers explain no frame; " + finding(first));
-  LayeredOutcome outcome = pass.outcome();
-  outcome.limit_px = change.median_sd;
-  outcome.slow_time = correlation_time(pass.slow_frames(), track);
-  outcome.plan = {layers_stage(pass, first, change.moved)};
-  if (change.kept > 0) outcome.warnings.push_back(kept_warning(change.kept));
-  return outcome;
+  return LayeredPass(source, seen.frames, first, options, shown, clock).run(seen.places, track);
 }
 
 FramesReadAgain::FramesReadAgain(KeptFrames& frames, const FirstPassResult& first, Layers layers)
     : frames_(frames),
       first_index_(first.first_index),
       total_(first.total),
-      layers_(layers_wanted(first, layers)),
+      layers_(layers != Layers::off && first.blur > 0),
       reach_(first.texture_seen ? rings_reach(first.disc.radius) : 0) {
   if (layers_) reach_ = layered_reach(first.disc.radius, first.blur);
 }

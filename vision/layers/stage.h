@@ -45,9 +45,6 @@ int layered_half(double radius, double blur);
 /// Px about the part's centre that are looked at in every frame.
 double layered_reach(double radius, double blur);
 
-/// Whether layered_stage() would try, as far as this is known: before the first pass its residuals are not.
-bool layers_wanted(const FirstPassResult& first, Layers layers);
-
 /// Caches what the second pass, and the rotation by rings, will read again while the first has it decoded: of
 /// every frame in which the part is seen a window about it, and whole those that the layers are probably
 /// learnt from. Nothing for recordings that are not decoded.
