@@ -77,9 +77,9 @@ void PictureWatch::read(std::int64_t index, const Rect& window, Picture& picture
     info_.decoded ? look_at_decoded(index) : look_at_rows(index);
   }
   const bool held = info_.decoded && index < next_ && index + std::ssize(kept_) >= next_ && index >= first_;
-  if (!held && !(info_.decoded && index == first_)) return source_.read(index, window, picture);
+  if (!held) return source_.read(index, window, picture);
   prepare_window(info_, index, window, picture);
-  const Picture& whole = held ? kept(index) : begin_;
+  const Picture& whole = kept(index);
   for (int y = 0; y < window.height; ++y)
     std::copy_n(whole.row(window.y + y).begin() + window.x, window.width, picture.row(y).begin());
 }
@@ -87,7 +87,6 @@ void PictureWatch::read(std::int64_t index, const Rect& window, Picture& picture
 void PictureWatch::look_at_decoded(std::int64_t index) {
   constexpr std::size_t kWeaves = 24;  // frames are enough
   source_.read(index, bounds(), kept(index));
-  if (index == first_) begin_ = kept(index);
   step_.push_back(index > first_ ? step_of(kept(index), kept(index - 1)) : NAN);
   over_.push_back(NAN);
   // Asked only where the step before this one may be that of a repeat.

@@ -312,7 +312,6 @@ std::optional<DiscFit> judged(const Picture& picture, const RimFit& fit, const C
   const double scatter = fit.sector_pull.empty() ? 0 : scatter_of_sum(fit.sector_pull);
   result.radius_sd =
       std::sqrt(std::max({0.0, fit.covariance(2, 2), scatter}) + result.common_sd * result.common_sd);
-  result.centre_sd = std::sqrt(std::max(0.0, 0.5 * (fit.covariance(0, 0) + fit.covariance(1, 1))));
   result.residual_rms = fit.residual_rms;
   const double half = std::min(std::max(1.5, 2 * p(3)), 0.5 * p(2));
   result.coverage =

@@ -22,10 +22,9 @@ struct DiscFit {
   Circle circle;
   /// Px; from how differently sectors of the rim pull at it, and never less than that of the noise alone.
   double radius_sd = 0;
-  double centre_sd = 0;  ///< px, per axis
-  double blur = 0;       ///< s, px
-  double contrast = 0;   ///< level inside minus outside
-  double coverage = 0;   ///< share of the rim at which the edge is seen, 0 .. 1
+  double blur = 0;      ///< s, px
+  double contrast = 0;  ///< level inside minus outside
+  double coverage = 0;  ///< share of the rim at which the edge is seen, 0 .. 1
   double residual_rms = 0;
   double score = 0;    ///< for comparing candidates
   double outside = 0;  ///< mean level beyond the rim

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "vision/following/pattern_follower.h"
-#include "vision/following/template_average.h"
 #include "vision/io/levels.h"
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/median.h"

@@ -12,7 +12,6 @@
 #include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 #include "vision/layers/measuring.h"
-#include "vision/layers/windows.h"
 
 namespace tribotrack::vision {
 namespace {

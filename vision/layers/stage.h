@@ -13,7 +13,6 @@
 
 #include "vision/audit/halves.h"
 #include "vision/camera/frame_cache.h"
-#include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
 #include "vision/stages/stage_clock.h"
 

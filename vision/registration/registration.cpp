@@ -5,8 +5,8 @@
 #include <cmath>
 #include <optional>
 
-#include "vision/kernels/informative_pixels.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/tile_kernels.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -24,7 +24,6 @@
 #include "vision/audit/halves.h"
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/dense.h"
-#include "vision/kernels/informative_pixels.h"
 #include "vision/kernels/tile_kernels.h"
 #include "vision/picture.h"
 #include "vision/registration/pattern.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {

@@ -9,7 +9,6 @@
 #include "vision/frame_source.h"
 #include "vision/picture.h"
 #include "vision/platform_motion/motion.h"
-#include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
 #include "vision/stages/stage_clock.h"
 #include "vision/tracking/platform.h"

@@ -8,8 +8,6 @@
 
 #include "vision/camera/pixels.h"
 #include "vision/following/pattern_follower.h"
-#include "vision/following/template_average.h"
-#include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
 #include "vision/tracking/target.h"
 

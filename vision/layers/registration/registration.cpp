@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "vision/kernels/dense.h"
-#include "vision/kernels/informative_pixels.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/tile_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
