@@ -190,7 +190,7 @@ void Tracking::measure_layers() {
   first_pass_->show(result_.track, shown);
   Track measured = result_.track;
   if (recording_.info().coder) first_track_ = result_.track;
-  LayeredOutcome layers = layered_stage(frames(), first, options_, shown, clock_, measured);
+  PassOutcome layers = layered_stage(frames(), first, options_, shown, clock_, measured);
   TrackSummary& summary = result_.summary;
   add(summary.plan, layers.plan);
   summary.layered = layers.done;
@@ -212,7 +212,7 @@ void Tracking::measure_layers() {
 
 /// What turns in the part, or glints, spoils its pictures, not its edge.
 void Tracking::measure_edge() {
-  const EdgeOutcome edge = edge_stage(frames(), first_pass_->result(), options_, clock_,
+  const PassOutcome edge = edge_stage(frames(), first_pass_->result(), options_, clock_,
                                       predicted_error(result_.track, audited_), result_.track);
   TrackSummary& summary = result_.summary;
   add(summary.plan, edge.plan);

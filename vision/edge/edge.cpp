@@ -287,10 +287,10 @@ std::string reason_against(const FirstPassResult& first, const TrackOptions& opt
 
 }  // namespace
 
-EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
+PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                        StageClock& clock, double stated, Track& track) {
   const bool coded = source.info().coder.has_value(), turning = turns(first, track);
-  EdgeOutcome out;
+  PassOutcome out;
   PlanStage& stage = out.plan.emplace_back(
       PlanStage{.name = kName, .reason = reason_against(first, options, coded, turning, stated)});
   if (!stage.reason.empty()) return out;

@@ -76,26 +76,18 @@ class Distractors {
   bool all_moved_ = false;
 };
 
-struct FollowOptions {
+struct FollowOptions : RegistrationOptions {
   double min_ncc = 0.6;
-  double noise_variance = 1.0 / 12;
-  double template_noise_share = 1;  ///< 1/M for a template averaged over M frames
-  bool rotation = false;
   int search_margin_px = 0;  ///< 0: from the motion
   bool search_whole_frame = true;
 };
 
-/// The part seen in a frame: by its template, or by its rim alone.
-struct Sighting {
+/// The part seen in a frame: by its template, or by its rim alone. Then the correlation and the residual are
+/// those of the edges fitted to the rim, and the angle is as predicted.
+struct Sighting : Registration {
   Point position;
-  Pose pose;                                             ///< theta as predicted where the rim alone was seen
-  double sigma_theta = 0;                                ///< rad; 0 where theta was not measured
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2
-  double ncc = 0;  ///< correlation with the template; of a rim, with the edges fitted to it
-  double residual_rms = 0;
-  double excess_rms = 0;
-  std::optional<HalvesError> halves;  ///< where they were asked for
-  bool by_rim = false;                ///< the template did not confirm the match
+  std::optional<HalvesError> halves = {};  ///< where they were asked for
+  bool by_rim = false;                     ///< the template did not confirm the match
 };
 
 struct FollowStep {

@@ -32,8 +32,8 @@ std::string finding(const FirstPassResult& first) {
       first.ground_texture, first.excess, std::sqrt(first.noise_variance));
 }
 
-LayeredOutcome left_out(std::string reason) {
-  LayeredOutcome outcome;
+PassOutcome left_out(std::string reason) {
+  PassOutcome outcome;
   outcome.plan.push_back({.name = kName, .reason = std::move(reason)});
   return outcome;
 }
@@ -141,7 +141,7 @@ class LayeredPass {
         registration_(ground_) {}
 
   /// Changes the points of `track` at the frames' places in it.
-  LayeredOutcome run(const std::vector<std::size_t>& places, Track& track) {
+  PassOutcome run(const std::vector<std::size_t>& places, Track& track) {
     keep_windows();
     learn();
     if (learnt_.explained < kFewest)
@@ -155,7 +155,7 @@ class LayeredPass {
   }
 
  private:
-  LayeredOutcome outcome(const Change& change, const Track& track);
+  PassOutcome outcome(const Change& change, const Track& track);
   void keep_windows();
   void learn();
   void measure();
@@ -224,8 +224,8 @@ void LayeredPass::show() {
   }
 }
 
-LayeredOutcome LayeredPass::outcome(const Change& change, const Track& track) {
-  LayeredOutcome out;
+PassOutcome LayeredPass::outcome(const Change& change, const Track& track) {
+  PassOutcome out;
   out.done = true;
   out.limit_px = change.median_sd;
   out.slow_sd = measured_.slow_sd;
@@ -274,10 +274,10 @@ double layered_reach(double radius, double blur) {
   return layered_half(radius, blur) + kContext;
 }
 
-LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
-                             const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
+PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
+                          const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
   if (auto reason = reason_against(first, track, options.layers)) {
-    LayeredOutcome outcome;
+    PassOutcome outcome;
     outcome.plan.push_back(std::move(*reason));
     return outcome;
   }

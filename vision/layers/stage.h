@@ -18,21 +18,11 @@
 
 namespace tribotrack::vision {
 
-/// What the stage found out, for the track's summary.
-struct LayeredOutcome {
-  bool done = false;  ///< else the track is as it was, and only the plan is filled
-  std::vector<PlanStage> plan;
-  std::vector<std::string> warnings;
-  double limit_px = 0;                ///< median standard deviation of a coordinate
-  double slow_sd = 0, slow_time = 0;  ///< see TrackSummary
-  std::vector<AuditFrame> audited;    ///< frames whose halves were compared
-};
-
 /// Measures every frame again over the platform's own picture where that pays: positions, standard deviations
 /// and correlations of the track's ok points change, never their status. `shown` frames go to
 /// TrackOptions::debug.
-LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
-                             const std::vector<ShownFrame>& shown, StageClock& clock, Track& track);
+PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
+                          const std::vector<ShownFrame>& shown, StageClock& clock, Track& track);
 
 /// Frames spread over a recording that the layers are learnt from, as far as the part is seen in them. The
 /// layers' own noise adds 1 / kLearningFrames to the variance.

@@ -70,6 +70,16 @@ inline SeenFrames seen_frames(const Track& track, std::int64_t first_index, bool
   return seen;
 }
 
+/// What a pass that measures the frames again found out, for the track's summary.
+struct PassOutcome {
+  bool done = false;  ///< else the track is as it was, and only the plan is filled
+  std::vector<PlanStage> plan;
+  std::vector<std::string> warnings;
+  double limit_px = 0;                ///< median standard deviation of a coordinate
+  double slow_sd = 0, slow_time = 0;  ///< see TrackSummary
+  std::vector<AuditFrame> audited;    ///< frames whose halves were compared
+};
+
 // What is shown to TrackOptions::debug: which frames, and in which range of levels.
 
 struct ShownFrame {

@@ -87,10 +87,8 @@ PatternFollower marker_follower(const Picture& first, FrameSource& source, const
   follow.noise_variance = noise_variance;
   follow.search_whole_frame = false;
   const Pattern pattern = disc_pattern(first, circle);
-  RegistrationOptions registration;
-  registration.noise_variance = noise_variance;
   AveragedTemplate average;
-  if (TemplateRegistration(first, pattern, registration).template_noise_cost() > kQuietTemplate) {
+  if (TemplateRegistration(first, pattern, follow).template_noise_cost() > kQuietTemplate) {
     average = average_template(source, first, range.first, range.last, pattern, follow);
     follow.template_noise_share = 1.0 / average.frames;
   }

@@ -157,9 +157,7 @@ PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRang
     locate_disc(setup, first, source, seen, options);
     mask_disc(setup, first, noise_variance);
   }
-  RegistrationOptions registration;
-  registration.noise_variance = noise_variance;
-  const TemplateRegistration trial(first, setup.pattern, registration);
+  const TemplateRegistration trial(first, setup.pattern, setup.follow);
   setup.limit_px = std::sqrt(0.5 * trial.limit().trace());
   decide_rotation(setup, trial, first, source, range);
   quiet_template(setup, trial.template_noise_cost(), first, source, range);
@@ -195,11 +193,7 @@ constexpr float kNotKnown = std::numeric_limits<float>::quiet_NaN();
 constexpr int kContext = 4;  ///< px shown about the template
 
 TemplateRegistration registration_of(const PartSetup& part, const Picture& first) {
-  RegistrationOptions options;
-  options.noise_variance = part.follow.noise_variance;
-  options.template_noise_share = part.follow.template_noise_share;
-  options.rotation = part.follow.rotation;
-  return {part.average.picture(first), part.pattern, options};
+  return {part.average.picture(first), part.pattern, part.follow};
 }
 
 /// The camera's pixels about the template at a pose.
