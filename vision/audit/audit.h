@@ -2,7 +2,7 @@
 //
 // Those come from a model of the pictures. The audit asks what no model of the pictures enters:
 //   halves           do complementary halves of the pixels agree on the position (halves.h)?
-//   high frequency   do positions scatter from frame to frame as they should (frame_to_frame.h)?
+//   high frequency   do positions scatter from frame to frame as they should (high_frequency())?
 // An error that all pixels share and that is slow shows in none of them.
 #pragma once
 

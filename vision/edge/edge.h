@@ -1,10 +1,10 @@
 // Where a round part is, by its edge alone, blind to what lamps and metal do inside and outside of it.
 //
-// Levels in frame k along the ray at azimuth phi, s px beyond the rim (rays.h), are
+// Levels in frame k along the ray at azimuth phi, s px beyond the rim (RayGrid), are
 //   I_k(phi, s) = M(phi, s) - grad M . d_k + fields + noise,
 // M their mean over frames, d_k how far the centre lies from where the frame was sampled, fields what changes
 // along the ray (optics.h): Gaussian processes that end or begin at the edge, with variances of their own in
-// each band of time (bands.h) and each part of the rim. d_k follows by generalised least squares,
+// each band of time (split_bands()) and each part of the rim. d_k follows by generalised least squares,
 //   d_b = -A_b sum_phi grad M^T S_b^-1 B_b[I - M],  A_b = (sum_phi grad M^T S_b^-1 grad M)^-1,  d = sum_b
 //   d_b,
 // B_b the band. Its covariance is that of the scores of sixteen sectors among each other: it holds whatever

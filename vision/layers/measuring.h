@@ -50,7 +50,7 @@ RunScatter run_scatter(const std::vector<ClusterPulls>& frames, const Eigen::Arr
 
 struct MeasuredFrames {
   /// One per frame, nullopt where the model does not hold (too near the border, something in the way). Their
-  /// covariances are what the residuals support, see scatter.h.
+  /// covariances are what the residuals support, see run_scatter().
   std::vector<std::optional<LayeredFix>> fixes;
   /// Errors that neighbouring frames share, in the covariances: standard deviation of a coordinate, px, and
   /// over how many frames they stay alike.

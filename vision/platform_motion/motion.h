@@ -6,7 +6,7 @@
 //   if (look_at_ground(sample_ground(source, first, last, kGroundGlance, options), noise_variance).moves)
 //     const auto motion = follow_ground(source, first, last, options);
 //
-// The ground is learnt from frames spread over the recording (learning.h), and every frame registered to it
+// The ground is learnt from frames spread over the recording (learning.cpp), and every frame registered to it
 // (registration.h). How well the two directions are known differs where the ground is brushed: along the
 // brush less than across. The covariance says it.
 #pragma once

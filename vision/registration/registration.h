@@ -7,7 +7,7 @@
 // derivatives and their normal matrix are those of the template, formed once per picture and kept for all
 // iterations. T is a quintic B-spline whose coefficients are computed once.
 //
-// Only informative pixels take part (informative_pixels.h): of a plain disc a ring about its rim.
+// Only informative pixels take part (informative_pixels()): of a plain disc a ring about its rim.
 //
 // The template's own noise, interpolated, is quieter between pixels than on them, which draws d towards half
 // pixels by an amount proportional to its variance; that known force is taken out of the normal equations.

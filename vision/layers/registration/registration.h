@@ -4,7 +4,7 @@
 // s and b. The gradient with respect to c is
 // -(a (1 + s . u) grad (F - alpha mean G) + b G grad alpha). Pictures are quintic splines shifted against the
 // untouched frame, whose noise stays white. Only pixels that tell something about c take part, in tiles of
-// 8 x 8 (informative_pixels.h).
+// 8 x 8 (informative_pixels()).
 #pragma once
 
 #include <Eigen/Core>
