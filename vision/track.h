@@ -46,8 +46,6 @@ struct TrackPoint {
   std::optional<MarkerPoint> marker;  ///< where a marker is followed and was found
   std::optional<Rotation> rotation;   ///< where it is seen
   std::optional<double> gate;         ///< the lamp's mean grey level, where a lamp is given
-  char frame_type = 0;                ///< 'I', 'P' or 'B' in a lossy recording, else 0
-  double coding_x = 0, coding_y = 0;  ///< variances, px^2, included in the sigmas for compression
 };
 
 /// Millimetres per pixel and where they come from.

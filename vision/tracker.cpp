@@ -1,5 +1,7 @@
 #include "vision/tracker.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,8 +15,8 @@
 #include "vision/camera/pixels.h"
 #include "vision/coding/coded_errors.h"
 #include "vision/coding/rim_coding.h"
+#include "vision/edge/edge.h"
 #include "vision/edge/radius.h"
-#include "vision/edge/stage.h"
 #include "vision/layers/stage.h"
 #include "vision/rotation/rotation_track.h"
 #include "vision/stages/stage_clock.h"
@@ -59,6 +61,30 @@ double predicted_error(Track track, const std::vector<AuditFrame>& audited) {
   return count > 0 ? std::sqrt(square / count) : std::numeric_limits<double>::infinity();
 }
 
+/// What lies beyond the edge that is seen.
+PlanStage chamfer_stage(const OuterEdge& edge, bool given) {
+  const std::string ring =
+      given ? fmt::format("a chamfer of {:.2f} px is given", edge.widest)
+      : edge.measured
+          ? fmt::format("a chamfer of {:.2f} px is seen in the rays of the mean picture", edge.widest)
+          : fmt::format("a chamfer of up to {:.2f} px as dark as the ground would not show", edge.widest);
+  return {
+      .name = "chamfer",
+      .on = edge.measured,
+      .reason = fmt::format("{}; the outer edge lies {:.2f} px beyond the edge that is seen, sd {:.2f} px",
+                            ring, edge.beyond, edge.beyond_sd),
+      .error_bound_px = edge.measured ? std::optional<double>() : edge.beyond_sd};
+}
+
+/// Where the residual beyond the noise is large; levels rms.
+std::optional<std::string> excess_warning(double excess, double noise) {
+  if (!(excess > 0.5 * noise)) return std::nullopt;
+  return fmt::format(
+      "the registration leaves {:.2f} grey levels rms beyond the noise of {:.2f} (moving ground seen through "
+      "the edge, glare, compression): the standard deviations are widened accordingly",
+      excess, noise);
+}
+
 /// One call of track().
 class Tracking {
  public:
@@ -79,7 +105,9 @@ class Tracking {
     follow_rotation();
     audit_track();
     allow_for_coding();
-    measure_radius();
+    const std::vector<FirstPassFrame> seen = seen_frames(result_.track, start_).frames;
+    measure_radius(seen);
+    check_roundness(seen);
     prepend_absence();
     result_.stage_times = clock_.times();
     return std::move(result_);
@@ -95,7 +123,8 @@ class Tracking {
   void follow_rotation();
   void audit_track();
   void allow_for_coding();
-  void measure_radius();
+  void measure_radius(const std::vector<FirstPassFrame>& seen);
+  void check_roundness(const std::vector<FirstPassFrame>& seen);
   void prepend_absence();
   FrameSource& frames() { return mended_ ? static_cast<FrameSource&>(*mended_) : cache_; }
 
@@ -107,7 +136,8 @@ class Tracking {
   FrameRange range_;  ///< of the frames to analyse
   Camera camera_;
   std::optional<MendedSource> mended_;  ///< where the camera has bad pixels
-  std::int64_t start_ = 0;              ///< the frame in which the part is first seen
+  Appearance appearance_;               ///< where the part is first seen
+  std::int64_t start_ = 0;              ///< in that frame
   std::unique_ptr<FirstPass> first_pass_;
   std::optional<CodingWatch> coding_;
   Track first_track_;                ///< of the first pass, where a lossy coder made the recording
@@ -123,22 +153,22 @@ void Tracking::cache_first_frames(std::int64_t first) {
 }
 
 void Tracking::check_camera_and_mend() {
-  const auto running = clock_.enter(Stage::camera);
+  const auto running = clock_.enter("camera: noise, bad pixels");
   camera_ = check_camera(cache_, range_);
   if (!camera_.bad_pixels.empty()) mended_.emplace(cache_, camera_.bad_pixels);
 }
 
 void Tracking::find_first_frame() {
-  const auto running = clock_.enter(Stage::finding);
-  const Appearance seen = first_appearance(frames(), range_, options_);
-  start_ = seen.index;
-  add(result_.summary.warnings, seen.warning);
+  const auto running = clock_.enter("finding the part");
+  appearance_ = first_appearance(frames(), range_, options_);
+  start_ = appearance_.index;
+  add(result_.summary.warnings, appearance_.warning);
 }
 
 void Tracking::follow() {
   cache_first_frames(start_);
-  first_pass_ =
-      std::make_unique<FirstPass>(frames(), FrameRange{start_, range_.last}, camera_, options_, clock_);
+  first_pass_ = std::make_unique<FirstPass>(frames(), FrameRange{start_, range_.last}, appearance_, camera_,
+                                            options_, clock_);
   coding_.emplace(recording_, first_pass_->result().disc.radius);
   FramesReadAgain read_again(cache_, first_pass_->result(), options_.layers);
   const std::int64_t total = first_pass_->result().total;
@@ -150,7 +180,7 @@ void Tracking::follow() {
     if (options_.progress) options_.progress((k + 1) / (options_.layers == Layers::off ? 1 : 2), total);
   }
   result_.track = first_pass_->finish(result_.summary);
-  ask_if_it_rests(frames(), start_, result_.track, first_pass_->result().disc, options_);
+  if (first_pass_->rim()) ask_if_it_rests(frames(), start_, result_.track, *first_pass_->rim(), options_);
 }
 
 /// The second pass, kept where it does better than the first.
@@ -160,7 +190,7 @@ void Tracking::measure_layers() {
   first_pass_->show(result_.track, shown);
   Track measured = result_.track;
   if (recording_.info().coder) first_track_ = result_.track;
-  LayeredOutcome layers = layered_stage(frames(), first, options_, shown, clock_, measured);
+  PassOutcome layers = layered_stage(frames(), first, options_, shown, clock_, measured);
   TrackSummary& summary = result_.summary;
   add(summary.plan, layers.plan);
   summary.layered = layers.done;
@@ -178,15 +208,11 @@ void Tracking::measure_layers() {
   summary.limit_px = layers.limit_px;
   if (layers.slow_sd > 0 && layers.slow_time > 0)
     summary.slow = {{"pictures", layers.slow_sd, layers.slow_time}};
-  if (layers.disc_radius > 0) {
-    summary.disc.radius = layers.disc_radius;
-    summary.disc_radius_sd = layers.disc_radius_sd;
-  }
 }
 
 /// What turns in the part, or glints, spoils its pictures, not its edge.
 void Tracking::measure_edge() {
-  const EdgeOutcome edge = edge_stage(frames(), first_pass_->result(), options_, clock_,
+  const PassOutcome edge = edge_stage(frames(), first_pass_->result(), options_, clock_,
                                       predicted_error(result_.track, audited_), result_.track);
   TrackSummary& summary = result_.summary;
   add(summary.plan, edge.plan);
@@ -198,13 +224,13 @@ void Tracking::measure_edge() {
 
 /// At the final centres.
 void Tracking::follow_rotation() {
-  const auto running = clock_.enter(Stage::rotation);
+  const auto running = clock_.enter("rotation by rings");
   measure_rotation(frames(), first_pass_->result(), result_.track, result_.summary.plan, options_.threads);
 }
 
 /// Of the pass that the positions are from.
 void Tracking::audit_track() {
-  const auto running = clock_.enter(Stage::audit);
+  const auto running = clock_.enter("audit");
   apply(audit(audited_, result_.track), result_.track, result_.summary);
 }
 
@@ -212,7 +238,7 @@ void Tracking::audit_track() {
 void Tracking::allow_for_coding() {
   const auto& coder = recording_.info().coder;
   if (!coder || coding_->frames().empty()) return;
-  const auto running = clock_.enter(Stage::audit);
+  const auto running = clock_.enter("audit");
   CodedTrack coded{.coder = *coder, .frames = coding_->frames(), .first_index = start_};
   const std::int64_t first = coded.frames.front().index;
   const Picture picture = frames().read(first);
@@ -229,13 +255,12 @@ void Tracking::allow_for_coding() {
 
 /// Of the edge as seen the mean over several frames, where the first frame or the layers show it; and of the
 /// outer edge.
-void Tracking::measure_radius() {
-  const auto running = clock_.enter(Stage::radius);
+void Tracking::measure_radius(const std::vector<FirstPassFrame>& seen) {
+  const auto running = clock_.enter("radius of the disc");
   TrackSummary& summary = result_.summary;
   summary.outer_radius = summary.disc.radius;
   summary.outer_radius_sd = summary.disc_radius_sd;
   if (!(summary.disc_blur > 0)) return;
-  const std::vector<FirstPassFrame> seen = seen_frames(result_.track, start_).frames;
   double common_sd = 0;
   if (const auto mean = seen_edge(frames(), seen, summary.disc.radius)) {
     summary.disc.radius = mean->circle.radius;
@@ -252,6 +277,14 @@ void Tracking::measure_radius() {
   summary.outer_radius_sd = std::hypot(summary.disc_radius_sd, edge.beyond_sd);
   summary.outer_radius_common_sd = std::hypot(common_sd, edge.beyond_sd);
   summary.plan.push_back(chamfer_stage(edge, chamfer.has_value()));
+}
+
+void Tracking::check_roundness(const std::vector<FirstPassFrame>& seen) {
+  const double radius = result_.summary.disc.radius;
+  if (seen.empty() || !(radius > 0)) return;
+  const FirstPassFrame& first = seen.front();
+  const Circle disc{first.centre.x, first.centre.y, radius};
+  add(result_.summary.warnings, roundness_warning(frames().read(first.index), disc));
 }
 
 /// Frames before the part was there are lost, and not counted against the track.

@@ -63,7 +63,7 @@ struct Target {
 struct MarkerChoice {
   enum class Kind { automatic, none, find, circle, texture, tag } kind = Kind::automatic;
   Circle circle;
-  std::string dictionary = {};  ///< of the tag: "4x4_50", "apriltag_36h11", ... (vision/tags/dictionary.h)
+  std::string dictionary = {};  ///< of the tag: "4x4_50", "apriltag_36h11", ... (vision/tags/tags.h)
   std::optional<int> id = {};   ///< empty: the only tag of that family in the picture
 };
 

@@ -33,7 +33,7 @@ bool is_dark(const Point& place) {
 
 std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const TileSums::Matrix& normal,
                                         const Eigen::Matrix2d& covariance) {
-  const FewFactor<TileSums::kMost> factor(normal);
+  const FewFactor factor(normal);
   // One half against the other, in the units of the position's error.
   const auto disagreement = [&](auto in_half) -> std::optional<Eigen::Vector2d> {
     TileSums::Vector score = TileSums::Vector::Zero(normal.rows());
@@ -244,6 +244,25 @@ std::vector<AuditRun> audit_runs(std::int64_t first, std::int64_t total) {
 bool in_audit(const std::vector<AuditRun>& runs, std::int64_t index) {
   return std::ranges::any_of(runs,
                              [&](const AuditRun& run) { return run.first <= index && index <= run.last; });
+}
+
+double outlier_size(const std::vector<double>& numbers) {
+  constexpr double kFar = 5;
+  constexpr double kMostOutliers = 0.25;
+  std::vector<double> sizes;
+  for (const double z : numbers) sizes.push_back(std::abs(z));
+  const double limit = kFar * kNormalMad * median(sizes);
+  double beyond = 0;
+  for (const double size : sizes) beyond += size > limit;
+  return beyond > kMostOutliers * static_cast<double>(sizes.size()) ? std::numeric_limits<double>::infinity()
+                                                                    : limit;
+}
+
+double supported(const MeanSquare& found) {
+  const double excess = found.value - 1;
+  const double doubt = 2 * found.scatter;
+  if (!(excess > doubt)) return 1;
+  return 1 + excess - doubt * doubt / excess;
 }
 
 }  // namespace tribotrack::vision

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "vision/calibration.h"
-#include "vision/calibration/corners.h"
 #include "vision/frame_source.h"
+#include "vision/tags/tags.h"
 
 namespace tribotrack::vision {
 

@@ -11,10 +11,9 @@
 #include <string>
 #include <utility>
 
-#include "vision/camera/roundness.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
-#include "vision/stages/frame_range.h"
+#include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -78,9 +77,9 @@ void PictureWatch::read(std::int64_t index, const Rect& window, Picture& picture
     info_.decoded ? look_at_decoded(index) : look_at_rows(index);
   }
   const bool held = info_.decoded && index < next_ && index + std::ssize(kept_) >= next_ && index >= first_;
-  if (!held && !(info_.decoded && index == first_)) return source_.read(index, window, picture);
+  if (!held) return source_.read(index, window, picture);
   prepare_window(info_, index, window, picture);
-  const Picture& whole = held ? kept(index) : begin_;
+  const Picture& whole = kept(index);
   for (int y = 0; y < window.height; ++y)
     std::copy_n(whole.row(window.y + y).begin() + window.x, window.width, picture.row(y).begin());
 }
@@ -88,7 +87,6 @@ void PictureWatch::read(std::int64_t index, const Rect& window, Picture& picture
 void PictureWatch::look_at_decoded(std::int64_t index) {
   constexpr std::size_t kWeaves = 24;  // frames are enough
   source_.read(index, bounds(), kept(index));
-  if (index == first_) begin_ = kept(index);
   step_.push_back(index > first_ ? step_of(kept(index), kept(index - 1)) : NAN);
   over_.push_back(NAN);
   // Asked only where the step before this one may be that of a repeat.
@@ -297,22 +295,12 @@ TrackResult track_each_picture_once(
   const std::int64_t first = selected ? 0 : range.first;
   const std::int64_t last = selected ? std::ssize(indices) - 1 : range.last;
   RepeatedFrames found;
-  const auto run_on = [&](FrameSource& frames, std::int64_t begin) {
-    TrackResult result = run(frames, inner);
-    const auto& points = result.track.points;
-    const auto seen = std::ranges::find(points, TrackStatus::ok, &TrackPoint::status);
-    if (seen == points.end() || !(result.summary.disc.radius > 0)) return result;
-    const Picture picture = frames.read(begin + (seen - points.begin()));
-    if (auto warning = roundness_warning(picture, {seen->x, seen->y, result.summary.disc.radius}))
-      result.summary.warnings.push_back(std::move(*warning));
-    return result;
-  };
   TrackResult result;
   if (options.debug) {  // its pictures are drawn once
     found = find_repeated_frames(source, source.info().frame_count);
   } else {
     PictureWatch watch(source);
-    result = run_on(watch, first);
+    result = run(watch, inner);
     found = watch.found();
   }
   if (found.weaved) throw InputError(in_quotes(recording.info().path) + " " + kWeavedFields);
@@ -323,7 +311,7 @@ TrackResult track_each_picture_once(
       if (!std::ranges::binary_search(found.repeated, k)) once.push_back(k);
     SelectedFrames each_once(source, std::move(once));
     inner.first_frame = inner.last_frame = std::nullopt;
-    result = run_on(each_once, 0);
+    result = run(each_once, inner);
   }
   for (std::string& finding : findings(found, source)) result.summary.warnings.push_back(std::move(finding));
   add_repeats(found, source, result);

@@ -31,7 +31,6 @@ class PictureWatch : public FrameSource {
   FrameSource& source_;
   std::int64_t first_ = -1, next_ = -1;  ///< indices of the first frame looked at, and of the next one
   std::array<Picture, 4> kept_;
-  Picture begin_;  ///< decoded: the first frame looked at, which is asked for again in the end
   std::int64_t whole_index_ = -1;  ///< not decoded: of the whole picture in whole_
   Picture whole_;
   /// Of frame first_ + k: by how much it differs from the one before, and the one before from the one after

@@ -199,13 +199,10 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
     if (place >= track.points.size() || track.points[place].status != TrackStatus::ok) continue;
     TrackPoint& p = track.points[place];
     Added added = added_in(coded, f, p, white);
-    p.coding_x = added.x;
-    p.coding_y = added.y;
     added.x += square(coded.passes_differ * (p.x - middle.x));
     added.y += square(coded.passes_differ * (p.y - middle.y));
     means.add(coded, f, added);
     widen(p, added);
-    p.frame_type = f.part.type;
   }
   CodedErrors found = means.errors();
   found.coder = coded.coder.name;

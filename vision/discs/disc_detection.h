@@ -22,10 +22,9 @@ struct DiscFit {
   Circle circle;
   /// Px; from how differently sectors of the rim pull at it, and never less than that of the noise alone.
   double radius_sd = 0;
-  double centre_sd = 0;  ///< px, per axis
-  double blur = 0;       ///< s, px
-  double contrast = 0;   ///< level inside minus outside
-  double coverage = 0;   ///< share of the rim at which the edge is seen, 0 .. 1
+  double blur = 0;      ///< s, px
+  double contrast = 0;  ///< level inside minus outside
+  double coverage = 0;  ///< share of the rim at which the edge is seen, 0 .. 1
   double residual_rms = 0;
   double score = 0;    ///< for comparing candidates
   double outside = 0;  ///< mean level beyond the rim
@@ -62,18 +61,5 @@ struct DiscSearch {
 
 /// Round things in the picture, best first.
 std::vector<DiscFit> find_discs(const Picture& picture, const DiscSearch& search, int max_count = 5);
-
-/// Whether there are any; large ones are seen soonest.
-bool shows_disc(const Picture& picture, const DiscSearch& search);
-
-// Which of the discs in a picture are alike: of equal right to be the part.
-
-inline constexpr double kAsLarge = 0.75;  ///< ratio of the radii of discs that are alike, at least
-
-/// `part` and the others that are alike, from left to right; what lies within the part's rim is not another.
-std::vector<Circle> discs_alike(std::span<const DiscFit> found, const DiscFit& part);
-
-/// The nearest to a given place of the discs that are about as large: radius within a third. Null if none is.
-const DiscFit* nearest_like(std::span<const DiscFit> found, const Circle& given);
 
 }  // namespace tribotrack::vision

@@ -181,8 +181,8 @@ class Finds {
     if (votes > 0) looks_.push_back({c, usual > 0 ? 1.0 : -1.0, votes, -1});
   }
 
-  /// The discs among all that was added, best first; the first that is met, or all.
-  std::vector<DiscFit> discs(bool any) {
+  /// The discs among all that was added, best first.
+  std::vector<DiscFit> discs() {
     std::ranges::sort(looks_, std::greater(), &Look::votes);
     std::vector<DiscFit> found;
     std::vector<Circle> tried;
@@ -200,7 +200,6 @@ class Finds {
         found.push_back(*fit);
       else if (fit->score > known->score)
         *known = *fit;
-      if (any) break;
     }
     std::ranges::sort(found, std::greater(), &DiscFit::score);
     return found;
@@ -281,32 +280,23 @@ std::vector<cv::Mat> pyramid(const Picture& picture, const DiscSearch& search) {
   return levels;
 }
 
-/// From the coarsest level to the finest that is needed; `any`: until one disc is found.
-std::vector<DiscFit> search_discs(const Picture& picture, const DiscSearch& search, bool any) {
+}  // namespace
+
+std::vector<DiscFit> find_discs(const Picture& picture, const DiscSearch& search, int max_count) {
   const std::vector<cv::Mat> levels = pyramid(picture, search);
   Finds finds(picture, search);
   std::vector<DiscFit> found;
+  // From the coarsest level to the finest that is needed.
   for (std::size_t k = levels.size(); k-- > 0;) {
     const int scale = 1 << k;
     if (scale * kSearchMax < search.min_radius) break;
     if (unwanted_beside(found, largest_from(scale * kSearchMax), search)) break;
     for (const Circle& c : vote(levels[k], scale)) finds.add(c);
-    if (any || search.beside_best > 0) found = finds.discs(any);
-    if (any && !found.empty()) break;
+    if (search.beside_best > 0) found = finds.discs();
   }
-  return any ? found : finds.discs(false);
-}
-
-}  // namespace
-
-std::vector<DiscFit> find_discs(const Picture& picture, const DiscSearch& search, int max_count) {
-  std::vector<DiscFit> found = search_discs(picture, search, false);
+  found = finds.discs();
   if (found.size() > static_cast<std::size_t>(max_count)) found.resize(static_cast<std::size_t>(max_count));
   return found;
-}
-
-bool shows_disc(const Picture& picture, const DiscSearch& search) {
-  return !search_discs(picture, search, true).empty();
 }
 
 }  // namespace tribotrack::vision

@@ -1,10 +1,10 @@
 // Where a round part is, by its edge alone, blind to what lamps and metal do inside and outside of it.
 //
-// Levels in frame k along the ray at azimuth phi, s px beyond the rim (rays.h), are
+// Levels in frame k along the ray at azimuth phi, s px beyond the rim (RayGrid), are
 //   I_k(phi, s) = M(phi, s) - grad M . d_k + fields + noise,
 // M their mean over frames, d_k how far the centre lies from where the frame was sampled, fields what changes
 // along the ray (optics.h): Gaussian processes that end or begin at the edge, with variances of their own in
-// each band of time (bands.h) and each part of the rim. d_k follows by generalised least squares,
+// each band of time (split_bands()) and each part of the rim. d_k follows by generalised least squares,
 //   d_b = -A_b sum_phi grad M^T S_b^-1 B_b[I - M],  A_b = (sum_phi grad M^T S_b^-1 grad M)^-1,  d = sum_b
 //   d_b,
 // B_b the band. Its covariance is that of the scores of sixteen sectors among each other: it holds whatever
@@ -19,7 +19,10 @@
 #include <vector>
 
 #include "vision/edge/optics.h"
-#include "vision/layers/first_pass.h"
+#include "vision/stages/first_pass_result.h"
+#include "vision/stages/stage_clock.h"
+#include "vision/track.h"
+#include "vision/tracker.h"
 
 namespace tribotrack::vision {
 
@@ -51,5 +54,16 @@ struct EdgeTrack {
 /// read.
 EdgeTrack track_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames,
                      const EdgeOptions& options);
+
+// The edge in bands of time as a stage of tracking: whether it pays, and whether it does better than
+// pictures.
+
+/// `stated` is the error of a coordinate, px, that the track and its audit state.
+/// Measures the ok points of `track` again by the part's edge where noise alone would allow clearly less than
+/// the track says of itself: something turns, or the light changes. Positions and covariances change where
+/// the edge is better known than the track: where the two differ by more than the edge's own errors, the
+/// track's are at least what is left, of a part that turns all of it.
+PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
+                       StageClock& clock, double stated, Track& track);
 
 }  // namespace tribotrack::vision

@@ -11,11 +11,13 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "vision/discs/disc_detection.h"
 #include "vision/frame_source.h"
-#include "vision/layers/first_pass.h"
+#include "vision/picture.h"
+#include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {
 
@@ -42,5 +44,12 @@ std::optional<DiscFit> seen_edge(FrameSource& source, const std::vector<FirstPas
 /// edge, px.
 OuterEdge outer_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames, double radius,
                      double blur, double noise_variance, std::optional<double> chamfer);
+
+// Is a disc seen as one? Pixels that are not square and a camera that looks from the side make it an ellipse.
+
+/// A sentence where the steepest edges around the disc lie at radii that go with cos 2 theta by more than 3 %
+/// (axes that differ by 6 %) and half a pixel, beyond their scatter; nothing where they do not, or lie too
+/// near to the picture's rim.
+std::optional<std::string> roundness_warning(const Picture& picture, const Circle& disc);
 
 }  // namespace tribotrack::vision

@@ -121,7 +121,7 @@ BandWeights weigh(const RayGrid& grid, const MeanRays& mean, const std::vector<E
     out.information[sector_of(grid, p)] += information;
     sum += information;
   }
-  out.shift_per_score = inverse_of(Eigen::MatrixXd(sum));
+  out.shift_per_score = inverse_of(FewByFew(sum));
   return out;
 }
 

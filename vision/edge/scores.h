@@ -7,8 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "vision/edge/bands.h"
-#include "vision/edge/rays.h"
+#include "vision/edge/optics.h"
 #include "vision/edge/samples.h"
 
 namespace tribotrack::vision {

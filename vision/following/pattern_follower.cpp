@@ -22,29 +22,13 @@ double distance(const Point& a, const Point& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-Rect clipped(const Rect& r, const Rect& bounds) {
-  const int x0 = std::max(r.x, bounds.x);
-  const int y0 = std::max(r.y, bounds.y);
-  const int x1 = std::min(r.x + r.width, bounds.x + bounds.width);
-  const int y1 = std::min(r.y + r.height, bounds.y + bounds.height);
-  return {x0, y0, std::max(0, x1 - x0), std::max(0, y1 - y0)};
-}
-
-RegistrationOptions registration_options(const FollowOptions& options) {
-  RegistrationOptions out;
-  out.noise_variance = options.noise_variance;
-  out.template_noise_share = options.template_noise_share;
-  out.rotation = options.rotation;
-  return out;
-}
-
 }  // namespace
 
 PatternFollower::PatternFollower(const Picture& first, std::int64_t index, const Pattern& pattern,
                                  const FollowOptions& options, std::optional<RimShape> rim)
     : options_(options),
       pattern_(pattern),
-      registration_(first, pattern, registration_options(options)),
+      registration_(first, pattern, options),
       matcher_(search_template(first, pattern)),
       matcher_offset_x_(pattern.centre.x - pattern.window.x),
       matcher_offset_y_(pattern.centre.y - pattern.window.y),
@@ -164,14 +148,7 @@ std::optional<Sighting> PatternFollower::refine(const Rect& window, const Pose& 
   if (!r.converged || r.gain < 0.3 || r.gain > 3) return std::nullopt;
   if (r.ncc < std::max(options_.min_ncc, kNccDrop * reference_ncc_)) return std::nullopt;
   if (std::hypot(r.pose.dx - start.dx, r.pose.dy - start.dy) > max_distance) return std::nullopt;
-  Sighting s;
-  s.position = {pattern_.centre.x + r.pose.dx, pattern_.centre.y + r.pose.dy};
-  s.pose = r.pose;
-  s.covariance = r.covariance;
-  s.sigma_theta = r.sigma_theta;
-  s.ncc = r.ncc;
-  s.residual_rms = r.residual_rms;
-  s.excess_rms = r.excess_rms;
+  Sighting s{r, {pattern_.centre.x + r.pose.dx, pattern_.centre.y + r.pose.dy}};
   if (audited_) s.halves = halves();
   return s;
 }
@@ -212,7 +189,7 @@ std::optional<Sighting> PatternFollower::near(FrameSource& source, std::int64_t 
   const int shift_x = static_cast<int>(std::lround(predicted.x - pattern_.centre.x));
   const int shift_y = static_cast<int>(std::lround(predicted.y - pattern_.centre.y));
   const Rect& w = pattern_.window;
-  const Rect window = clipped(
+  const Rect window = common(
       {w.x + shift_x - margin, w.y + shift_y - margin, w.width + 2 * margin, w.height + 2 * margin}, bounds);
   if (window.width < w.width / 2 || window.height < w.height / 2) return std::nullopt;
   source.read(index, window, picture_);

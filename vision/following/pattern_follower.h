@@ -13,12 +13,13 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <vector>
 
 #include "vision/discs/rim_sectors.h"
-#include "vision/following/prediction.h"
 #include "vision/frame_source.h"
+#include "vision/picture.h"
 #include "vision/registration/pattern.h"
 #include "vision/registration/registration.h"
 #include "vision/registration/template_match.h"
@@ -26,26 +27,67 @@
 
 namespace tribotrack::vision {
 
-struct FollowOptions {
+/// Constant velocity through the last two positions, and how well that has worked.
+class MotionPrediction {
+ public:
+  void add(std::int64_t frame, const Point& position);
+  std::int64_t last_frame() const { return places_.back().frame; }
+  Point last() const { return places_.back().position; }
+  Point at(std::int64_t frame) const;
+  /// How far from the prediction the thing may be, px: three times the recent rms error of prediction, grown
+  /// with the number of frames since it was last seen.
+  double reach(std::int64_t frame) const;
+  /// Largest speed seen, px per frame.
+  double top_speed() const { return top_speed_; }
+
+ private:
+  struct Place {
+    std::int64_t frame = 0;
+    Point position;
+  };
+  std::deque<Place> places_;
+  double error_squared_ = 4;  ///< running mean, px^2; starts as ignorance
+  double top_speed_ = 0;
+};
+
+// Distractors: things in the picture that look like the part but are not. Their positions are carried along,
+// so that none of them is taken for a lost part.
+
+/// Positions of distractors, carried from frame to frame by nearest neighbour.
+class Distractors {
+ public:
+  /// `reach`: how far a distractor may be from where it was last seen, px.
+  explicit Distractors(double reach) : reach_(reach) {}
+  void clear() { places_.clear(); }
+  void add(const Point& place) { places_.push_back(place); }
+  const std::vector<Point>& places() const { return places_; }
+
+  /// Takes the candidates of a new frame, gives each known distractor the nearest one within reach (nearest
+  /// pairs first, one each), and returns those that are left: things not seen before. A distractor that is
+  /// not seen (a hand covers it) keeps its place.
+  std::vector<Point> unexplained(const std::vector<Point>& candidates);
+  /// Whether most of them, two at least, were last given candidates further off than a quarter of the way to
+  /// their nearest neighbour: then the whole scene has jumped, and which is which is a guess.
+  bool all_moved() const { return all_moved_; }
+
+ private:
+  double reach_;
+  std::vector<Point> places_;
+  bool all_moved_ = false;
+};
+
+struct FollowOptions : RegistrationOptions {
   double min_ncc = 0.6;
-  double noise_variance = 1.0 / 12;
-  double template_noise_share = 1;  ///< 1/M for a template averaged over M frames
-  bool rotation = false;
   int search_margin_px = 0;  ///< 0: from the motion
   bool search_whole_frame = true;
 };
 
-/// The part seen in a frame: by its template, or by its rim alone.
-struct Sighting {
+/// The part seen in a frame: by its template, or by its rim alone. Then the correlation and the residual are
+/// those of the edges fitted to the rim, and the angle is as predicted.
+struct Sighting : Registration {
   Point position;
-  Pose pose;                                             ///< theta as predicted where the rim alone was seen
-  double sigma_theta = 0;                                ///< rad; 0 where theta was not measured
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2
-  double ncc = 0;  ///< correlation with the template; of a rim, with the edges fitted to it
-  double residual_rms = 0;
-  double excess_rms = 0;
-  std::optional<HalvesError> halves;  ///< where they were asked for
-  bool by_rim = false;                ///< the template did not confirm the match
+  std::optional<HalvesError> halves = {};  ///< where they were asked for
+  bool by_rim = false;                     ///< the template did not confirm the match
 };
 
 struct FollowStep {
@@ -122,5 +164,35 @@ class PatternFollower {
   Picture fruitless_;               ///< the last frame in which a search of it all found nothing
   Picture picture_;                 ///< work space
 };
+
+// A quieter template: the first frames laid on each other.
+//
+// The noise of a single template goes into its derivatives, which costs accuracy, and into the residual at
+// every fraction of a pixel anew. Averaged over M frames aligned with the first it has 1/M of that variance.
+// It is never replaced afterwards: a replaced template drifts.
+
+inline constexpr int kAveragedFrames = 24;  ///< at most, the first included
+
+struct AveragedTemplate {
+  Picture averaged;  ///< the first frame with the template's surroundings averaged; empty for one frame alone
+  int frames = 1;    ///< M
+  const Picture& picture(const Picture& first) const { return averaged.empty() ? first : averaged; }
+};
+
+/// Follows the pattern through the frames after `index` (up to `last`) with the single template and averages
+/// what it finds. The part must not turn. One frame alone where fewer than four match.
+AveragedTemplate average_template(FrameSource& source, const Picture& first, std::int64_t index,
+                                  std::int64_t last, const Pattern& pattern, const FollowOptions& follow);
+
+// Check of the part's texture: does what looks like one in the first frame belong to the part?
+//
+// A coder leaves marks of its own where it drops the noise, and drops them anew in later frames: they stand
+// out of the noise between frames as scratches would, but do not come again with the part.
+
+/// Follows the disc through the frames after `index` (up to `last`), its rotation included, and compares what
+/// differs along its rings with the first frame: also with the disc not turned, for a lamp's reflection
+/// stands still. False only where it is found and neither is seen again.
+bool texture_returns(FrameSource& source, const Picture& first, std::int64_t index, std::int64_t last,
+                     const Pattern& disc, const FollowOptions& follow);
 
 }  // namespace tribotrack::vision

@@ -4,8 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "vision/following/prediction.h"
-#include "vision/following/template_average.h"
+#include "vision/following/pattern_follower.h"
 #include "vision/io/levels.h"
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/median.h"

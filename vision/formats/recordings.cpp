@@ -10,10 +10,8 @@
 #include <string>
 #include <string_view>
 
-#include "vision/formats/cine/sink.h"
 #include "vision/formats/cine/source.h"
 #include "vision/formats/libav/libav.h"
-#include "vision/formats/libav/sink.h"
 #include "vision/formats/libav/source.h"
 #include "vision/formats/photron/photron.h"
 #include "vision/formats/pictures/pictures.h"

@@ -11,60 +11,12 @@
 namespace tribotrack::vision {
 namespace {
 
-constexpr std::array<double, 2> kPoles = {-0.43057534709997379, -0.04309628820326465};
-
-double basis(double u) {
-  const double a = std::abs(u);
-  if (a < 1) {
-    const double q = a * a;
-    return 0.55 + q * (-0.5 + q * (0.25 - a / 12));
-  }
-  if (a < 2) return 17.0 / 40 + a * (5.0 / 8 + a * (-7.0 / 4 + a * (5.0 / 4 + a * (-3.0 / 8 + a / 24))));
-  if (a < 3) {
-    const double b = 3 - a;
-    return b * b * b * b * b / 120;  // std::pow would take half of all tracking time
-  }
-  return 0;
-}
-
-double basis_slope(double u) {
-  const double a = std::abs(u);
-  double slope = 0;
-  if (a < 1) {
-    slope = a * (-1 + a * a * (1 - 5 * a / 12));
-  } else if (a < 2) {
-    slope = 5.0 / 8 + a * (-7.0 / 2 + a * (15.0 / 4 + a * (-3.0 / 2 + 5 * a / 24)));
-  } else if (a < 3) {
-    const double b = 3 - a;
-    slope = -b * b * b * b / 24;
-  }
-  return u < 0 ? -slope : slope;
-}
-
 /// Index mirrored about whole samples: -1 -> 1, n -> n - 2.
 int mirrored(int k, int n) {
   if (n == 1) return 0;
   const int period = 2 * (n - 1);
   k = std::abs(k) % period;
   return k < n ? k : period - k;
-}
-
-/// In place: samples to coefficients, one line of n values `step` apart.
-void prefilter(double* line, int n, std::ptrdiff_t step) {
-  if (n < 2) return;
-  for (const double z : kPoles) {
-    const double gain = (1 - z) * (1 - 1 / z);
-    for (int k = 0; k < n; ++k) line[k * step] *= gain;
-    double sum = 0;
-    double power = 1;
-    const int reach = std::min(2 * (n - 1), 60);  // |z|^60 < 1e-21
-    for (int k = 0; k < reach; ++k, power *= z) sum += power * line[mirrored(k, n) * step];
-    if (reach == 2 * (n - 1)) sum /= 1 - power;
-    line[0] = sum;
-    for (int k = 1; k < n; ++k) line[k * step] += z * line[(k - 1) * step];
-    line[(n - 1) * step] = z / (z * z - 1) * (line[(n - 1) * step] + z * line[(n - 2) * step]);
-    for (int k = n - 2; k >= 0; --k) line[k * step] = z * (line[(k + 1) * step] - line[k * step]);
-  }
 }
 
 constexpr int kPanel = 32;  ///< signals filtered side by side
@@ -74,7 +26,7 @@ constexpr int kPanel = 32;  ///< signals filtered side by side
 using Lanes = VectorOf<float, 8>::type;
 constexpr int kVectors = kPanel / 8;
 
-constexpr std::array<float, 2> kFloatPoles = {-0.43057534709997379F, -0.04309628820326465F};
+constexpr std::array<float, 2> kPoles = {-0.43057534709997379F, -0.04309628820326465F};
 constexpr int kMemory = 28;  ///< |z|^28 < 1e-10
 
 /// Samples to coefficients of kPanel signals at once, in place: panel[kPanel k + i] is sample k of signal i.
@@ -82,7 +34,7 @@ constexpr int kMemory = 28;  ///< |z|^28 < 1e-10
 TRIBOTRACK_CLONES void prefilter_panel(float* panel, int n) {
   if (n < 2) return;
   const auto sample = [&](int k, int q) { return panel + static_cast<std::ptrdiff_t>(kPanel) * k + 8 * q; };
-  for (const float z : kFloatPoles) {
+  for (const float z : kPoles) {
     const float gain = (1 - z) * (1 - 1 / z);
     Lanes sum[kVectors] = {};
     float power = 1;
@@ -170,25 +122,27 @@ TRIBOTRACK_KERNEL float whole_below(float x) {
 }
 
 /// b(t - k), t in [0, 1), each a polynomial of t: all six at once by Horner's rule.
-TRIBOTRACK_KERNEL void quintic_lanes(float t, TapLanes& weight) {
-  constexpr float u = 1.0F / 120;
-  constexpr TapLanes c5 = {-u, 5 * u, -10 * u, 10 * u, -5 * u, u, 0, 0};
-  constexpr TapLanes c4 = {5 * u, -20 * u, 30 * u, -20 * u, 5 * u, 0, 0, 0};
-  constexpr TapLanes c3 = {-10 * u, 20 * u, 0, -20 * u, 10 * u, 0, 0, 0};
-  constexpr TapLanes c2 = {10 * u, 20 * u, -60 * u, 20 * u, 10 * u, 0, 0, 0};
-  constexpr TapLanes c1 = {-5 * u, -50 * u, 0, 50 * u, 5 * u, 0, 0, 0};
-  constexpr TapLanes c0 = {u, 26 * u, 66 * u, 26 * u, u, 0, 0, 0};
+template <class Number, class Taps>
+TRIBOTRACK_KERNEL void quintic_lanes(Number t, Taps& weight) {
+  constexpr Number u = Number(1) / 120;
+  constexpr Taps c5 = {-u, 5 * u, -10 * u, 10 * u, -5 * u, u, 0, 0};
+  constexpr Taps c4 = {5 * u, -20 * u, 30 * u, -20 * u, 5 * u, 0, 0, 0};
+  constexpr Taps c3 = {-10 * u, 20 * u, 0, -20 * u, 10 * u, 0, 0, 0};
+  constexpr Taps c2 = {10 * u, 20 * u, -60 * u, 20 * u, 10 * u, 0, 0, 0};
+  constexpr Taps c1 = {-5 * u, -50 * u, 0, 50 * u, 5 * u, 0, 0, 0};
+  constexpr Taps c0 = {u, 26 * u, 66 * u, 26 * u, u, 0, 0, 0};
   weight = ((((c5 * t + c4) * t + c3) * t + c2) * t + c1) * t + c0;
 }
 
 /// Their derivatives with respect to t.
-TRIBOTRACK_KERNEL void quintic_slope_lanes(float t, TapLanes& slope) {
-  constexpr float u = 1.0F / 24;
-  constexpr TapLanes c4 = {-u, 5 * u, -10 * u, 10 * u, -5 * u, u, 0, 0};
-  constexpr TapLanes c3 = {4 * u, -16 * u, 24 * u, -16 * u, 4 * u, 0, 0, 0};
-  constexpr TapLanes c2 = {-6 * u, 12 * u, 0, -12 * u, 6 * u, 0, 0, 0};
-  constexpr TapLanes c1 = {4 * u, 8 * u, -24 * u, 8 * u, 4 * u, 0, 0, 0};
-  constexpr TapLanes c0 = {-u, -10 * u, 0, 10 * u, u, 0, 0, 0};
+template <class Number, class Taps>
+TRIBOTRACK_KERNEL void quintic_slope_lanes(Number t, Taps& slope) {
+  constexpr Number u = Number(1) / 24;
+  constexpr Taps c4 = {-u, 5 * u, -10 * u, 10 * u, -5 * u, u, 0, 0};
+  constexpr Taps c3 = {4 * u, -16 * u, 24 * u, -16 * u, 4 * u, 0, 0, 0};
+  constexpr Taps c2 = {-6 * u, 12 * u, 0, -12 * u, 6 * u, 0, 0, 0};
+  constexpr Taps c1 = {4 * u, 8 * u, -24 * u, 8 * u, 4 * u, 0, 0, 0};
+  constexpr Taps c0 = {-u, -10 * u, 0, 10 * u, u, 0, 0, 0};
   slope = (((c4 * t + c3) * t + c2) * t + c1) * t + c0;
 }
 
@@ -243,15 +197,15 @@ TRIBOTRACK_CLONES void places_of(const Places& places, float* value, float* slop
 }  // namespace
 
 std::array<double, 6> quintic_weights(double t) {
-  std::array<double, 6> weights{};
-  for (int k = -2; k <= 3; ++k) weights[static_cast<std::size_t>(k + 2)] = basis(t - k);
-  return weights;
+  VectorOf<double, 8>::type w;
+  quintic_lanes(t, w);
+  return {w[0], w[1], w[2], w[3], w[4], w[5]};
 }
 
 std::array<double, 6> quintic_slopes(double t) {
-  std::array<double, 6> slopes{};
-  for (int k = -2; k <= 3; ++k) slopes[static_cast<std::size_t>(k + 2)] = basis_slope(t - k);
-  return slopes;
+  VectorOf<double, 8>::type s;
+  quintic_slope_lanes(t, s);
+  return {s[0], s[1], s[2], s[3], s[4], s[5]};
 }
 
 SplineTaps spline_taps(double fraction_x, double fraction_y) {
@@ -359,11 +313,15 @@ constexpr int kReach = 20;  // 0.43^20 < 1e-7
 /// Sum over k of h_k h_{k + lag}, h the coefficients of a picture that is 1 at one pixel and else 0.
 double autocorrelation(int lag) {
   static const std::vector<double> known = [] {
-    std::vector<double> line(6 * kReach + 1, 0.0), sums(2 * kReach + 1, 0.0);
-    line[3 * kReach] = 1;
-    prefilter(line.data(), static_cast<int>(line.size()), 1);
-    for (std::size_t l = 0; l < sums.size(); ++l)
-      for (std::size_t k = 0; k + l < line.size(); ++k) sums[l] += line[k] * line[k + l];
+    constexpr int length = 6 * kReach + 1;
+    Picture line(length, 1);
+    line.at(3 * kReach, 0) = 1;
+    const QuinticSpline spline(line);
+    const float* h = spline.coefficient(0, 0);
+    std::vector<double> sums(2 * kReach + 1, 0.0);
+    for (int l = 0; l <= 2 * kReach; ++l)
+      for (int k = 0; k + l < length; ++k)
+        sums[static_cast<std::size_t>(l)] += static_cast<double>(h[k]) * static_cast<double>(h[k + l]);
     return sums;
   }();
   const auto place = static_cast<std::size_t>(std::abs(lag));

@@ -5,35 +5,21 @@
 
 namespace tribotrack::vision {
 
-template <int kMost>
-FewFactor<kMost>::FewFactor(const FewByFew<kMost>& symmetric) : factor_(symmetric) {}
+FewFactor::FewFactor(const FewByFew& symmetric) : factor_(symmetric) {}
 
-template <int kMost>
-void FewFactor<kMost>::compute(const FewByFew<kMost>& symmetric) {
+void FewFactor::compute(const FewByFew& symmetric) {
   factor_.compute(symmetric);
 }
 
-template <int kMost>
-Few<kMost> FewFactor<kMost>::solve(const Few<kMost>& right) const {
+Few FewFactor::solve(const Few& right) const {
   return factor_.solve(right);
 }
 
-template <int kMost>
-FewByFew<kMost> FewFactor<kMost>::solve(const FewByFew<kMost>& right) const {
+FewByFew FewFactor::solve(const FewByFew& right) const {
   return factor_.solve(right);
 }
 
-template <int kMost>
-FewByFew<kMost> inverse_of(const FewByFew<kMost>& matrix) {
-  return matrix.inverse();
-}
-
-template class FewFactor<5>;
-template class FewFactor<8>;
-template FewByFew<5> inverse_of(const FewByFew<5>&);
-template FewByFew<8> inverse_of(const FewByFew<8>&);
-
-Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& matrix) {
+FewByFew inverse_of(const FewByFew& matrix) {
   return matrix.inverse();
 }
 

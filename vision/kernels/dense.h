@@ -7,34 +7,23 @@
 
 namespace tribotrack::vision {
 
-/// As many unknowns as a registration turns out to have, at most kMost: no memory is allocated.
-template <int kMost>
-using FewByFew = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMost, kMost>;
-template <int kMost>
-using Few = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1>;
+/// As many unknowns as a registration turns out to have, eight at most: no memory is allocated.
+using FewByFew = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 8, 8>;
+using Few = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 8, 1>;
 
 /// L D L^T of a symmetric matrix.
-template <int kMost>
 class FewFactor {
  public:
-  explicit FewFactor(const FewByFew<kMost>& symmetric);
-  void compute(const FewByFew<kMost>& symmetric);
-  Few<kMost> solve(const Few<kMost>& right) const;
-  FewByFew<kMost> solve(const FewByFew<kMost>& right) const;
+  explicit FewFactor(const FewByFew& symmetric);
+  void compute(const FewByFew& symmetric);
+  Few solve(const Few& right) const;
+  FewByFew solve(const FewByFew& right) const;
 
  private:
-  Eigen::LDLT<FewByFew<kMost>> factor_;
+  Eigen::LDLT<FewByFew> factor_;
 };
 
-template <int kMost>
-FewByFew<kMost> inverse_of(const FewByFew<kMost>& matrix);
-
-extern template class FewFactor<5>;
-extern template class FewFactor<8>;
-extern template FewByFew<5> inverse_of(const FewByFew<5>&);
-extern template FewByFew<8> inverse_of(const FewByFew<8>&);
-
-Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& matrix);
+FewByFew inverse_of(const FewByFew& matrix);
 
 /// Of a symmetric, positive definite matrix; also the logarithm of its determinant.
 Eigen::MatrixXd inverse_of_spd(const Eigen::MatrixXd& matrix, double& log_determinant);

@@ -1,22 +1,56 @@
 // Every frame measured over the pictures learnt.
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <optional>
 #include <vector>
 
 #include "vision/audit/halves.h"
 #include "vision/frame_source.h"
-#include "vision/layers/first_pass.h"
-#include "vision/layers/learning.h"
+#include "vision/layers/model/ground.h"
+#include "vision/layers/model/state.h"
 #include "vision/layers/registration/registration.h"
-#include "vision/stages/debug_pictures.h"
+#include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {
 
+// Learning the part's pictures from kept windows: which pictures, and where in each window?
+//
+// Each round learns the pictures from the windows in their present states, then measures the windows over
+// them, until the windows hardly move.
+
+struct LearntPart {
+  PartPictures part;
+  IlluminationSlope light;
+  double chi_squared = 1;  ///< per pixel, of the usual window
+  double sigma = 0;        ///< of a coordinate of the usual window, px
+  int rounds = 0;
+  std::size_t explained = 0;  ///< windows
+};
+
+/// Changes the windows' states, and tells the ground what is seen of it beside the part: within `hidden` px
+/// of the part none has been seen yet. The result is the same for any number of threads. `registration` is
+/// left with the pictures learnt.
+LearntPart learn_part(std::vector<KeptWindow>& windows, GroundPicture& ground,
+                      LayeredRegistration& registration, const FirstPassResult& first, double hidden,
+                      int threads);
+
+/// Over a run of frames, about each cluster's mean: what stays the same for the whole run moves all its
+/// positions alike, which is no error of a displacement.
+struct RunScatter {
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of a position, px^2
+  double white = 0;        ///< variance of a coordinate by the change from one frame to the next, px^2
+  double slow = 0;         ///< what the covariance has beyond it
+  double slow_frames = 0;  ///< over how many frames that stays alike: the integral of its correlation
+};
+
+/// `taken`: the share of the squares that the position has taken, along x and y.
+RunScatter run_scatter(const std::vector<ClusterPulls>& frames, const Eigen::Array2d& taken);
+
 struct MeasuredFrames {
   /// One per frame, nullopt where the model does not hold (too near the border, something in the way). Their
-  /// covariances are what the residuals support, see scatter.h.
+  /// covariances are what the residuals support, see run_scatter().
   std::vector<std::optional<LayeredFix>> fixes;
   /// Errors that neighbouring frames share, in the covariances: standard deviation of a coordinate, px, and
   /// over how many frames they stay alike.
@@ -38,5 +72,38 @@ void show_layers(const PartPictures& part, const GroundPicture& ground, DebugSin
 /// Prediction and residual of a frame in its measured state; reads it again.
 void show_layered_frame(const PartPictures& part, const GroundPicture& ground, const LayeredState& state,
                         const ShownFrame& shown, FrameSource& source, DebugSink& sink);
+
+// The windows the layers are learnt from, and the platform's picture from the same frames.
+
+/// Places of the platform, in its frame, that are seen about the part's path.
+Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& bounds);
+
+/// Frames spread over the recording, as many as memory has room for.
+class LearningFrames {
+ public:
+  /// Keeps references. `reach` px about the part's centre, `hidden` the radius within which there is no
+  /// ground.
+  LearningFrames(FrameSource& source, const std::vector<FirstPassFrame>& frames, const FirstPassResult& first,
+                 double reach, double hidden);
+
+  const Rect& region() const { return region_; }
+  std::size_t count() const { return chosen_.size(); }
+
+  /// Their windows, in the order of time; and the ground, averaged from frames spread over the recording.
+  std::vector<KeptWindow> read(GroundPicture& ground);
+  /// The ground alone, again, seen from so near to the part.
+  void read_ground(GroundPicture& ground, double hidden);
+
+ private:
+  void read_ground(GroundPicture& ground);
+  Circle part_in(const FirstPassFrame& f) const { return {f.centre.x, f.centre.y, hidden_}; }
+
+  FrameSource& source_;
+  const std::vector<FirstPassFrame>& frames_;
+  const FirstPassResult& first_;
+  double reach_, hidden_;
+  Rect region_, read_;                               ///< the latter of every frame
+  std::vector<std::size_t> chosen_, ground_frames_;  ///< of frames_
+};
 
 }  // namespace tribotrack::vision

@@ -12,7 +12,6 @@
 #include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 #include "vision/layers/measuring.h"
-#include "vision/layers/windows.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -33,8 +32,8 @@ std::string finding(const FirstPassResult& first) {
       first.ground_texture, first.excess, std::sqrt(first.noise_variance));
 }
 
-LayeredOutcome left_out(std::string reason) {
-  LayeredOutcome outcome;
+PassOutcome left_out(std::string reason) {
+  PassOutcome outcome;
   outcome.plan.push_back({.name = kName, .reason = std::move(reason)});
   return outcome;
 }
@@ -73,123 +72,6 @@ std::optional<PlanStage> reason_against(const FirstPassResult& first, const Trac
   }
   if (stage.reason.empty()) return std::nullopt;
   return stage;
-}
-
-class LayeredPass {
- public:
-  LayeredPass(FrameSource& source, const std::vector<FirstPassFrame>& frames, const FirstPassResult& first,
-              const TrackOptions& options, const std::vector<ShownFrame>& shown, StageClock& clock)
-      : source_(source),
-        frames_(frames),
-        first_(first),
-        options_(options),
-        shown_(shown),
-        clock_(clock),
-        hidden_(layered_half(first.disc.radius, first.blur) - kTaper),
-        learning_frames_(source, frames, first, layered_reach(first.disc.radius, first.blur), hidden_),
-        ground_(learning_frames_.region()),
-        registration_(ground_) {}
-
-  /// False where hardly any frame is explained.
-  bool run() {
-    keep_windows();
-    learn();
-    if (learnt_.explained < kFewest) return false;
-    measure();
-    show();
-    take_centre_of_rim();
-    return true;
-  }
-  std::vector<std::optional<LayeredFix>>& fixes() { return measured_.fixes; }
-  /// All but what depends on the track.
-  LayeredOutcome outcome();
-  std::string summary() const {
-    return fmt::format("learnt from {} frames in {} rounds; {:.4f} px of the errors change slowly",
-                       kept_.size(), learnt_.rounds, measured_.slow_sd);
-  }
-  std::size_t windows() const { return kept_.size(); }
-  double slow_frames() const { return measured_.slow_frames; }
-
- private:
-  void keep_windows();
-  void learn();
-  void measure();
-  void take_centre_of_rim();
-  void show();
-
-  FrameSource& source_;
-  const std::vector<FirstPassFrame>& frames_;
-  const FirstPassResult& first_;
-  const TrackOptions& options_;
-  const std::vector<ShownFrame>& shown_;
-  StageClock& clock_;
-  double hidden_;  ///< px about the part within which there is no ground
-  LearningFrames learning_frames_;
-  GroundPicture ground_;
-  std::vector<KeptWindow> kept_;
-  LayeredRegistration registration_;
-  LearntPart learnt_;
-  MeasuredFrames measured_;
-  double disc_radius_ = 0, disc_radius_sd_ = 0;  ///< of the averaged picture; 0 where it shows no circle
-};
-
-void LayeredPass::keep_windows() {
-  const auto running = clock_.enter(Stage::layers_learning);
-  kept_ = learning_frames_.read(ground_);
-  // A picture that holds little more than the part shows its ground beside it only, in what shadow there is.
-  if (ground_.known_share() >= kFewestKnown) return;
-  hidden_ = first_.disc.radius + kClear * first_.blur;
-  learning_frames_.read_ground(ground_, hidden_);
-}
-
-void LayeredPass::learn() {
-  const auto running = clock_.enter(Stage::layers_learning);
-  learnt_ = learn_part(kept_, ground_, registration_, first_, hidden_, options_.threads);
-}
-
-void LayeredPass::measure() {
-  const auto running = clock_.enter(Stage::layers_measuring);
-  measured_ =
-      measure_frames(source_, frames_, registration_, learnt_, options_.threads, [this](std::int64_t done) {
-        if (options_.progress) options_.progress((first_.total + done) / 2, first_.total);
-      });
-}
-
-/// Positions are those of the rim's centre, and the radius is that of the averaged picture.
-void LayeredPass::take_centre_of_rim() {
-  const double half = learnt_.part.half;
-  const auto rim = fit_disc(learnt_.part.level, {half, half, first_.disc.radius}, 2);
-  if (!rim) return;
-  for (auto& fix : measured_.fixes) {
-    if (!fix) continue;
-    fix->state.centre.x += rim->circle.x - half;
-    fix->state.centre.y += rim->circle.y - half;
-  }
-  disc_radius_ = rim->circle.radius;
-  disc_radius_sd_ = rim->radius_sd;
-}
-
-/// To the debug sink: the layers, and the frames chosen for it.
-void LayeredPass::show() {
-  if (!options_.debug) return;
-  const auto running = clock_.enter(Stage::debug_pictures);
-  show_layers(learnt_.part, ground_, *options_.debug);
-  for (std::size_t k = 0; k < frames_.size(); ++k) {
-    const auto shown = std::ranges::find(shown_, frames_[k].index, &ShownFrame::index);
-    const auto& fix = measured_.fixes[k];
-    if (shown != shown_.end() && fix)
-      show_layered_frame(learnt_.part, ground_, fix->state, *shown, source_, *options_.debug);
-  }
-}
-
-LayeredOutcome LayeredPass::outcome() {
-  LayeredOutcome out;
-  out.done = true;
-  out.slow_sd = measured_.slow_sd;
-  out.audited = std::move(measured_.audited);
-  out.disc_radius = disc_radius_;
-  out.disc_radius_sd = disc_radius_sd_;
-  return out;
 }
 
 void change(TrackPoint& point, const LayeredFix& fix) {
@@ -243,29 +125,134 @@ Change replace_positions(Track& track, const std::vector<std::size_t>& places,
   return out;
 }
 
-/// Of errors that so many frames share, s.
-double correlation_time(double frames, const Track& track) {
+class LayeredPass {
+ public:
+  LayeredPass(FrameSource& source, const std::vector<FirstPassFrame>& frames, const FirstPassResult& first,
+              const TrackOptions& options, const std::vector<ShownFrame>& shown, StageClock& clock)
+      : source_(source),
+        frames_(frames),
+        first_(first),
+        options_(options),
+        shown_(shown),
+        clock_(clock),
+        hidden_(layered_half(first.disc.radius, first.blur) - kTaper),
+        learning_frames_(source, frames, first, layered_reach(first.disc.radius, first.blur), hidden_),
+        ground_(learning_frames_.region()),
+        registration_(ground_) {}
+
+  /// Changes the points of `track` at the frames' places in it.
+  PassOutcome run(const std::vector<std::size_t>& places, Track& track) {
+    keep_windows();
+    learn();
+    if (learnt_.explained < kFewest)
+      return left_out("the pictures learnt explain hardly any frame; " + finding(first_));
+    measure();
+    show();
+    take_centre_of_rim();
+    const Change change = replace_positions(track, places, measured_.fixes);
+    if (change.measured == 0) return left_out("the layers explain no frame; " + finding(first_));
+    return outcome(change, track);
+  }
+
+ private:
+  PassOutcome outcome(const Change& change, const Track& track);
+  void keep_windows();
+  void learn();
+  void measure();
+  void take_centre_of_rim();
+  void show();
+
+  FrameSource& source_;
+  const std::vector<FirstPassFrame>& frames_;
+  const FirstPassResult& first_;
+  const TrackOptions& options_;
+  const std::vector<ShownFrame>& shown_;
+  StageClock& clock_;
+  double hidden_;  ///< px about the part within which there is no ground
+  LearningFrames learning_frames_;
+  GroundPicture ground_;
+  std::vector<KeptWindow> kept_;
+  LayeredRegistration registration_;
+  LearntPart learnt_;
+  MeasuredFrames measured_;
+};
+
+void LayeredPass::keep_windows() {
+  const auto running = clock_.enter("layers: learning");
+  kept_ = learning_frames_.read(ground_);
+  // A picture that holds little more than the part shows its ground beside it only, in what shadow there is.
+  if (ground_.known_share() >= kFewestKnown) return;
+  hidden_ = first_.disc.radius + kClear * first_.blur;
+  learning_frames_.read_ground(ground_, hidden_);
+}
+
+void LayeredPass::learn() {
+  const auto running = clock_.enter("layers: learning");
+  learnt_ = learn_part(kept_, ground_, registration_, first_, hidden_, options_.threads);
+}
+
+void LayeredPass::measure() {
+  const auto running = clock_.enter("layers: measuring");
+  measured_ =
+      measure_frames(source_, frames_, registration_, learnt_, options_.threads, [this](std::int64_t done) {
+        if (options_.progress) options_.progress((first_.total + done) / 2, first_.total);
+      });
+}
+
+/// Positions are those of the rim's centre in the averaged picture.
+void LayeredPass::take_centre_of_rim() {
+  const double half = learnt_.part.half;
+  const auto rim = fit_disc(learnt_.part.level, {half, half, first_.disc.radius}, 2);
+  if (!rim) return;
+  for (auto& fix : measured_.fixes) {
+    if (!fix) continue;
+    fix->state.centre.x += rim->circle.x - half;
+    fix->state.centre.y += rim->circle.y - half;
+  }
+}
+
+/// To the debug sink: the layers, and the frames chosen for it.
+void LayeredPass::show() {
+  if (!options_.debug) return;
+  const auto running = clock_.enter("debug pictures");
+  show_layers(learnt_.part, ground_, *options_.debug);
+  for (std::size_t k = 0; k < frames_.size(); ++k) {
+    const auto shown = std::ranges::find(shown_, frames_[k].index, &ShownFrame::index);
+    const auto& fix = measured_.fixes[k];
+    if (shown != shown_.end() && fix)
+      show_layered_frame(learnt_.part, ground_, fix->state, *shown, source_, *options_.debug);
+  }
+}
+
+PassOutcome LayeredPass::outcome(const Change& change, const Track& track) {
+  PassOutcome out;
+  out.done = true;
+  out.limit_px = change.median_sd;
+  out.slow_sd = measured_.slow_sd;
   const double duration = track.points.back().time_s - track.points.front().time_s;
-  return frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
-}
-
-PlanStage layers_stage(const LayeredPass& pass, const FirstPassResult& first, double moved) {
-  std::string reason = finding(first) + "; " + pass.summary();
-  reason += fmt::format("; positions moved by {:.4f} px rms", moved);
+  out.slow_time =
+      measured_.slow_frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
+  out.audited = std::move(measured_.audited);
   // Of what the frames tell at a place its share of the ground and the ground there take one frame's each.
-  reason += fmt::format(
-      "; what frames share through the noise of the pictures, some {:.1f} % of a position's variance, is not "
-      "counted between them",
-      200.0 / static_cast<double>(std::max<std::size_t>(1, pass.windows())));
-  return {.name = kName, .on = true, .reason = std::move(reason), .error_bound_px = moved};
-}
-
-std::string kept_warning(std::int64_t frames) {
-  return fmt::format(
-      "{} frames keep the position of the first pass, in which the ground is seen through the edge "
-      "(the ground about the part is not known there, or something covers it): their standard deviations are "
-      "wider",
-      frames);
+  out.plan.push_back(
+      {.name = kName,
+       .on = true,
+       .reason = fmt::format("{}; learnt from {} frames in {} rounds; {:.4f} px of the errors change slowly; "
+                             "positions moved by "
+                             "{:.4f} px rms; what frames share through the noise of the pictures, some "
+                             "{:.1f} % of a position's "
+                             "variance, is not counted between them",
+                             finding(first_), kept_.size(), learnt_.rounds, measured_.slow_sd, change.moved,
+                             200.0 / static_cast<double>(std::max<std::size_t>(1, kept_.size()))),
+       .error_bound_px = change.moved});
+  if (change.kept > 0)
+    out.warnings.push_back(fmt::format(
+        "{} frames keep the position of the first pass, in which the ground is seen through the edge "
+        "(the ground about the part is not known there, or something covers it): their standard deviations "
+        "are "
+        "wider",
+        change.kept));
+  return out;
 }
 
 }  // namespace
@@ -287,37 +274,24 @@ double layered_reach(double radius, double blur) {
   return layered_half(radius, blur) + kContext;
 }
 
-bool layers_wanted(const FirstPassResult& first, Layers layers) {
-  return layers != Layers::off && first.blur > 0;
-}
-
-LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
-                             const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
+PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
+                          const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
   if (auto reason = reason_against(first, track, options.layers)) {
-    LayeredOutcome outcome;
+    PassOutcome outcome;
     outcome.plan.push_back(std::move(*reason));
     return outcome;
   }
   const SeenFrames seen = seen_frames(track, first.first_index, true);
   if (seen.frames.size() < kFewest)
     return left_out("too few frames to learn the layers from; " + finding(first));
-  LayeredPass pass(source, seen.frames, first, options, shown, clock);
-  if (!pass.run()) return left_out("the pictures learnt explain hardly any frame; " + finding(first));
-  const Change change = replace_positions(track, seen.places, pass.fixes());
-  if (change.measured == 0) return left_out("the layers explain no frame; " + finding(first));
-  LayeredOutcome outcome = pass.outcome();
-  outcome.limit_px = change.median_sd;
-  outcome.slow_time = correlation_time(pass.slow_frames(), track);
-  outcome.plan = {layers_stage(pass, first, change.moved)};
-  if (change.kept > 0) outcome.warnings.push_back(kept_warning(change.kept));
-  return outcome;
+  return LayeredPass(source, seen.frames, first, options, shown, clock).run(seen.places, track);
 }
 
 FramesReadAgain::FramesReadAgain(KeptFrames& frames, const FirstPassResult& first, Layers layers)
     : frames_(frames),
       first_index_(first.first_index),
       total_(first.total),
-      layers_(layers_wanted(first, layers)),
+      layers_(layers != Layers::off && first.blur > 0),
       reach_(first.texture_seen ? rings_reach(first.disc.radius) : 0) {
   if (layers_) reach_ = layered_reach(first.disc.radius, first.blur);
 }

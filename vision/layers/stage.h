@@ -13,31 +13,26 @@
 
 #include "vision/audit/halves.h"
 #include "vision/camera/frame_cache.h"
-#include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
 #include "vision/stages/stage_clock.h"
 
 namespace tribotrack::vision {
 
-/// What the stage found out, for the track's summary.
-struct LayeredOutcome {
-  bool done = false;  ///< else the track is as it was, and only the plan is filled
-  std::vector<PlanStage> plan;
-  std::vector<std::string> warnings;
-  double limit_px = 0;                         ///< median standard deviation of a coordinate
-  double slow_sd = 0, slow_time = 0;           ///< see TrackSummary
-  std::vector<AuditFrame> audited;             ///< frames whose halves were compared
-  double disc_radius = 0, disc_radius_sd = 0;  ///< px; 0 where the averaged picture shows no circle
-};
-
 /// Measures every frame again over the platform's own picture where that pays: positions, standard deviations
 /// and correlations of the track's ok points change, never their status. `shown` frames go to
 /// TrackOptions::debug.
-LayeredOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
-                             const std::vector<ShownFrame>& shown, StageClock& clock, Track& track);
+PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
+                          const std::vector<ShownFrame>& shown, StageClock& clock, Track& track);
 
-/// Whether layered_stage() would try, as far as this is known: before the first pass its residuals are not.
-bool layers_wanted(const FirstPassResult& first, Layers layers);
+/// Frames spread over a recording that the layers are learnt from, as far as the part is seen in them. The
+/// layers' own noise adds 1 / kLearningFrames to the variance.
+inline constexpr std::int64_t kLearningFrames = 128;
+/// Whether the frame at this place (0 .. total - 1) of those analysed is one of them.
+bool is_learning_frame(std::int64_t place, std::int64_t total);
+/// Half width of the part's grid, px: the part with its rim and its shadow.
+int layered_half(double radius, double blur);
+/// Px about the part's centre that are looked at in every frame.
+double layered_reach(double radius, double blur);
 
 /// Caches what the second pass, and the rotation by rings, will read again while the first has it decoded: of
 /// every frame in which the part is seen a window about it, and whole those that the layers are probably

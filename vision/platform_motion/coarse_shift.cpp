@@ -1,4 +1,4 @@
-#include "vision/platform_motion/coarse_shift.h"
+#include "vision/platform_motion/motion.h"
 
 #include <algorithm>
 #include <cmath>

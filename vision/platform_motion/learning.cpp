@@ -1,4 +1,4 @@
-#include "vision/platform_motion/learning.h"
+#include "vision/platform_motion/motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,6 @@
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
-#include "vision/platform_motion/coarse_shift.h"
 #include "vision/platform_motion/registration.h"
 
 namespace tribotrack::vision {

@@ -6,22 +6,65 @@
 //   if (look_at_ground(sample_ground(source, first, last, kGroundGlance, options), noise_variance).moves)
 //     const auto motion = follow_ground(source, first, last, options);
 //
-// The ground is learnt from frames spread over the recording (learning.h), and every frame registered to it
+// The ground is learnt from frames spread over the recording (learning.cpp), and every frame registered to it
 // (registration.h). How well the two directions are known differs where the ground is brushed: along the
 // brush less than across. The covariance says it.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "vision/frame_source.h"
-#include "vision/platform_motion/coarse_shift.h"
-#include "vision/platform_motion/learning.h"
+#include "vision/picture.h"
+#include "vision/platform_motion/registration.h"
 
 namespace tribotrack::vision {
+
+/// Cross-correlation of whole pictures by Fourier transform, the first one under a Hann window and freed of
+/// its noise, of which a brushed ground would be located by little else along its brush. What is hidden, what
+/// is broad (light) and what stands out too far (things that cross) is taken off. Large pictures are binned.
+class CoarseShift {
+ public:
+  CoarseShift(const Picture& first, const std::vector<Circle>& hidden, double noise_variance);
+  /// To within half a bin where the ground shows a texture.
+  Point of(const Picture& picture, const std::vector<Circle>& hidden) const;
+  int bin() const { return bin_; }
+
+ private:
+  cv::Mat texture(const Picture& picture, const std::vector<Circle>& hidden) const;
+  int bin_ = 1;
+  cv::Mat first_;  ///< spectrum
+};
+
+// A mean picture freed of the noise that is left in it.
+
+/// What is broad (light) by a mean over kBroad px; the rest by Wiener's filter: every spatial frequency is
+/// kept by the share of its power that is not the noise's, the power a mean over neighbouring frequencies. A
+/// brushed ground lies on few frequencies, so most of the noise goes; slopes of what is left are slopes of
+/// the ground. What is not `known` (0) is filled from what is, again and again (Papoulis, IEEE Trans.
+/// Circuits Syst. 22, 1975): a step there would look like a texture. `noise_variance` of a pixel, grey
+/// levels^2.
+/// `before`: a like picture, to fill from at first.
+Picture noise_free(const Picture& picture, const Picture& known, double noise_variance,
+                   const Picture* before = nullptr);
+
+struct LearntGround {
+  Ground ground;
+  std::vector<std::optional<GroundFix>> fixes;           ///< of the frames learnt from
+  Eigen::Matrix2d excess = Eigen::Matrix2d::Identity();  ///< see GroundRegistration
+  double texture = 0;                                    ///< grey levels rms beyond the noise
+  double score = 0;                                      ///< their median
+};
+
+/// From frames whose `start` is good to a texture's width. `place` of the window; `noise_variance` of a
+/// pixel, the least that is believed. Nothing where too few frames can be registered: the ground shows
+/// nothing.
+std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames, const Rect& place,
+                                         double noise_variance, int most_rounds);
 
 struct GroundMotionOptions {
   double noise_variance = 1.0 / 12;  ///< of a pixel, grey levels^2: the least that is believed

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "vision/kernels/dense.h"
-#include "vision/kernels/informative_pixels.h"
+#include "vision/kernels/tile_kernels.h"
 
 namespace tribotrack::vision {
 namespace {

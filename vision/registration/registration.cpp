@@ -5,8 +5,8 @@
 #include <cmath>
 #include <optional>
 
-#include "vision/kernels/informative_pixels.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/tile_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -47,7 +47,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   sample_template(fraction, true);
   Pose formed = fraction;  // where the derivatives belong to
   Matrix normal = normal_matrix();
-  FewFactor<5> factor(normal);
+  FewFactor factor(normal);
   double gain = 1;
   double offset = 0;
   const double noise_sd = std::sqrt(options_.noise_variance);

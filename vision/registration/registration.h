@@ -7,7 +7,7 @@
 // derivatives and their normal matrix are those of the template, formed once per picture and kept for all
 // iterations. T is a quintic B-spline whose coefficients are computed once.
 //
-// Only informative pixels take part (informative_pixels.h): of a plain disc a ring about its rim.
+// Only informative pixels take part (informative_pixels()): of a plain disc a ring about its rim.
 //
 // The template's own noise, interpolated, is quieter between pixels than on them, which draws d towards half
 // pixels by an amount proportional to its variance; that known force is taken out of the normal equations.
@@ -24,7 +24,6 @@
 #include "vision/audit/halves.h"
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/dense.h"
-#include "vision/kernels/informative_pixels.h"
 #include "vision/kernels/tile_kernels.h"
 #include "vision/picture.h"
 #include "vision/registration/pattern.h"
@@ -87,8 +86,8 @@ class TemplateRegistration {
   double template_noise_cost() const { return template_noise_cost_; }
 
  private:
-  using Matrix = FewByFew<5>;
-  using Vector = Few<5>;
+  using Matrix = FewByFew;
+  using Vector = Few;
   void choose_pixels();
   void sample_template(const Pose& fraction, bool slopes);
   void sample_turned(const Pose& fraction, bool slopes);

@@ -49,7 +49,7 @@ TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& 
   take_picture(levels_, w.x, w.y, 0, 0);
   sample_template({}, true);
   const Matrix normal = normal_matrix(), honest = debiased(normal, {});
-  limit_ = options_.noise_variance * inverse_of(Eigen::MatrixXd(honest)).topLeftCorner<2, 2>();
+  limit_ = options_.noise_variance * inverse_of(honest).topLeftCorner<2, 2>();
   template_noise_cost_ =
       (normal - honest).topLeftCorner<2, 2>().trace() / honest.topLeftCorner<2, 2>().trace();
   options_.rotation = rotation;

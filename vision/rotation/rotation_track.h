@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "vision/frame_source.h"
-#include "vision/layers/first_pass.h"
 #include "vision/stages/first_pass_result.h"
 #include "vision/track.h"
 

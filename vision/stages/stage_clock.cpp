@@ -3,39 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "vision/stages/debug_pictures.h"
-#include "vision/stages/frame_range.h"
+#include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {
 
-const char* to_string(Stage stage) {
-  static constexpr std::array kNames = {"reading and decoding",
-                                        "camera: noise, bad pixels",
-                                        "finding the part",
-                                        "template of the part",
-                                        "first pass: part",
-                                        "first pass: marker",
-                                        "first pass: gate lamp",
-                                        "radius of the disc",
-                                        "layers: learning",
-                                        "layers: measuring",
-                                        "edge in bands",
-                                        "rotation by rings",
-                                        "audit",
-                                        "debug pictures",
-                                        "other"};
-  return kNames[static_cast<std::size_t>(stage)];
+void StageClock::switch_to(const char* next) {
+  if (!is_own()) return;
+  const Clock::time_point now = Clock::now();
+  auto here = std::ranges::find(spent_, now_in_, &StageTime::name);
+  if (here == spent_.end()) here = spent_.insert(here, {now_in_, 0});
+  here->seconds += std::chrono::duration<double>(now - since_).count();
+  since_ = now;
+  now_in_ = next;
 }
 
 std::vector<StageTime> StageClock::times() {
   switch_to(now_in_);
-  std::vector<StageTime> out;
-  for (std::size_t k = 0; k < kStages; ++k)
-    if (spent_[k] > Clock::duration::zero())
-      out.push_back({to_string(static_cast<Stage>(k)), std::chrono::duration<double>(spent_[k]).count()});
+  std::vector<StageTime> out = spent_;
+  std::ranges::stable_sort(out, {}, [](const StageTime& stage) { return stage.name == kOther; });
   return out;
 }
 

@@ -1,7 +1,6 @@
 // Where the time goes: every moment of the tracking belongs to exactly one stage.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <thread>
 #include <vector>
@@ -10,25 +9,6 @@
 #include "vision/track.h"
 
 namespace tribotrack::vision {
-
-enum class Stage {
-  reading,
-  camera,
-  finding,
-  setup,
-  part,
-  marker,
-  lamp,
-  radius,
-  layers_learning,
-  layers_measuring,
-  edge,
-  rotation,
-  audit,
-  debug_pictures,
-  other,
-};
-const char* to_string(Stage stage);
 
 /// A stage that calls another is interrupted by it, so that the times add up to the whole. A change of stage
 /// costs one reading of the steady clock. Only the thread that made the clock changes stages: what others do
@@ -43,37 +23,31 @@ class StageClock {
 
    private:
     friend class StageClock;
-    Running(StageClock& clock, Stage stage)
-        : clock_(clock), interrupted_(clock.is_own() ? clock.now_in_ : Stage::other) {
+    Running(StageClock& clock, const char* stage)
+        : clock_(clock), interrupted_(clock.is_own() ? clock.now_in_ : kOther) {
       clock.switch_to(stage);
     }
     StageClock& clock_;
-    Stage interrupted_;
+    const char* interrupted_;
   };
 
   /// Time counts for `stage` until what is returned is destroyed, then again for the interrupted stage.
-  Running enter(Stage stage) { return {*this, stage}; }
-  /// Of the stages that took any, in the order of the work.
+  Running enter(const char* stage) { return {*this, stage}; }
+  /// In the order of the work; what belongs to no stage comes last.
   std::vector<StageTime> times();
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::size_t kStages = static_cast<std::size_t>(Stage::other) + 1;
+  static constexpr const char* kOther = "other";
   bool is_own() const { return std::this_thread::get_id() == owner_; }
-  void switch_to(Stage next) {
-    if (!is_own()) return;
-    const Clock::time_point now = Clock::now();
-    spent_[static_cast<std::size_t>(now_in_)] += now - since_;
-    since_ = now;
-    now_in_ = next;
-  }
+  void switch_to(const char* next);
   std::thread::id owner_ = std::this_thread::get_id();
-  Stage now_in_ = Stage::other;
+  const char* now_in_ = kOther;
   Clock::time_point since_ = Clock::now();
-  std::array<Clock::duration, kStages> spent_{};
+  std::vector<StageTime> spent_;
 };
 
-/// A recording whose reads count as Stage::reading.
+/// A recording whose reads are a stage.
 class TimedSource : public FrameSource {
  public:
   /// Keeps references.
@@ -82,7 +56,7 @@ class TimedSource : public FrameSource {
   }
   using FrameSource::read;
   void read(std::int64_t index, const Rect& window, Picture& picture) override {
-    const auto timed = clock_.enter(Stage::reading);
+    const auto timed = clock_.enter("reading and decoding");
     source_.read(index, window, picture);
   }
 

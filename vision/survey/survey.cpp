@@ -5,9 +5,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "vision/discs/disc_detection.h"
-#include "vision/discs/first_appearance.h"
 #include "vision/survey.h"
 #include "vision/survey/lamps.h"
+#include "vision/tracking/target.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -361,7 +361,7 @@ Survey survey(FrameSource& source) {
   Survey seen;
   const std::int64_t span = std::min(last + 1, source.info().decoded ? kLampSpanDecoded : kLampSpan);
   seen.lamps = find_lamps(source, spread_frames(span, kFramesForLamps));
-  const std::int64_t first = arrival_anywhere(source, 0, last, {}).value_or(0);
+  const std::int64_t first = arrival_anywhere(source, 0, last, {}).index;
   seen.frame = source.number(first);
   std::vector<std::int64_t> frames = spread_frames(last - first + 1, kFramesForDiscs);
   seen.frames_looked_at = static_cast<int>(frames.size());

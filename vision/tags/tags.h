@@ -7,6 +7,8 @@
 #pragma once
 
 #include <array>
+#include <opencv2/aruco.hpp>
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -24,5 +26,16 @@ struct Tag {
 
 /// Largest first. Throws std::invalid_argument for a dictionary that is none.
 std::vector<Tag> find_tags(const Picture& picture, const std::string& dictionary);
+
+/// By its name, "4x4_50" .. "7x7_1000", "original", "apriltag_16h5", "apriltag_25h9", "apriltag_36h10" or
+/// "apriltag_36h11". Throws std::invalid_argument naming them.
+cv::Ptr<cv::aruco::Dictionary> tag_dictionary(const std::string& name);
+
+/// 8 bits, the darkest and the brightest percent at the ends: detection wants them, accuracy does not suffer.
+cv::Mat to_8_bit(const Picture& picture);
+
+/// The board's inner corners, row by row; empty where it is not seen whole. OpenCV's refinement brings them
+/// to a tenth of a pixel or better, a fit of their edges to the noise's limit.
+std::vector<cv::Point2f> board_corners(const Picture& levels, cv::Size inner);
 
 }  // namespace tribotrack::vision

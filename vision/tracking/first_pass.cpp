@@ -1,10 +1,11 @@
 #include "vision/tracking/first_pass.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
-#include "vision/tracking/gate_lamp.h"
+#include "vision/kernels/median.h"
 #include "vision/tracking/notes.h"
 
 namespace tribotrack::vision {
@@ -12,7 +13,7 @@ namespace {
 
 /// The call's result, its time counted for a stage.
 template <class Call>
-auto timed(StageClock& clock, Stage stage, const Call& call) {
+auto timed(StageClock& clock, const char* stage, const Call& call) {
   const auto running = clock.enter(stage);
   return call();
 }
@@ -42,17 +43,49 @@ void fill(TrackPoint& point, const Sighting& s) {
   point.rho_xy = s.covariance(0, 1) / (point.sigma_x * point.sigma_y);
 }
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+PlanStage bad_pixels_stage(std::size_t found) {
+  if (found == 0)
+    return {.name = "bad pixels",
+            .reason = "no pixel differs from all its neighbours in all of the first frames",
+            .error_bound_px = 0};  // nothing to replace: the pictures are the same either way
+  return {.name = "bad pixels",
+          .on = true,
+          .reason = fmt::format("{} differ from their neighbours in all of the first frames and are replaced "
+                                "by the median of the neighbours",
+                                found)};
+}
+
+/// Stages that only some frames need.
+std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t frames) {
+  const double proved = static_cast<double>(effort.proved_by_refinement) /
+                        static_cast<double>(std::max<std::int64_t>(1, frames));
+  return {
+      {.name = "correlation over the predicted window",
+       .on = effort.window_searches > 0,
+       .reason = fmt::format("refinement from the prediction confirmed the match in {:.1f} % of the frames",
+                             100 * proved)},
+      {.name = "search of the whole frame",
+       .on = effort.whole_frame_searches > 0,
+       .reason = fmt::format("needed in {} frames, where the part was lost", effort.whole_frame_searches)}};
+}
+
+/// In how many of the frames in which the part was seen the rim alone measures it.
+PlanStage rim_stage(std::int64_t by_rim, std::int64_t seen) {
+  return {
+      .name = "rim alone",
+      .on = by_rim > 0,
+      .reason =
+          by_rim > 0
+              ? fmt::format("the template was not confirmed in {} of {} frames in which the part's edge was: "
+                            "those are measured by the edge",
+                            by_rim, seen)
+              : fmt::format("the template was confirmed in all {} frames", seen)};
 }
 
 }  // namespace
 
-FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera& camera,
-                     const TrackOptions& options, StageClock& clock)
+FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Appearance& seen,
+                     const Camera& camera, const TrackOptions& options, StageClock& clock)
     : source_(source),
       range_(range),
       options_(options),
@@ -60,18 +93,18 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Camera&
       bad_pixels_(camera.bad_pixels.size()),
       noise_variance_(camera.noise_variance),
       first_(source.read(range.first)),
-      setup_(timed(clock, Stage::setup,
-                   [&] { return set_up_part(first_, source, range, options, camera.noise_variance); })),
+      setup_(timed(clock, "template of the part",
+                   [&] { return set_up_part(first_, source, range, seen, options, camera.noise_variance); })),
       rim_(rim_of(setup_, first_)),
       rim_shape_(shape_in(first_, rim_)),
       part_(setup_.average.picture(first_), range.first, setup_.pattern, setup_.follow, rim_shape_),
       marker_(timed(
-          clock, Stage::marker,
+          clock, "first pass: marker",
           [&] { return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc); })),
       audited_(audit_runs(range.first, range.count())) {
   if (options.gate) lamp_.emplace(*options.gate, source);
   if (asks_ground(options)) {
-    const auto running = clock.enter(Stage::marker);
+    const auto running = clock.enter("first pass: marker");
     glance_.emplace(first_, over_ground(setup_.pattern.centre, setup_.pattern, options), range.first,
                     range.last, kGroundGlance, noise_variance_);
   }
@@ -111,8 +144,8 @@ std::optional<Circle> FirstPass::mark() const {
 }
 
 FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
-  FollowStep step =
-      timed(clock_, Stage::part, [&] { return part_.step(source_, index, in_audit(audited_, index)); });
+  FollowStep step = timed(clock_, "first pass: part",
+                          [&] { return part_.step(source_, index, in_audit(audited_, index)); });
   if (step.confirms_previous && tentative_) {
     fill(track_.points.back(), *tentative_);
     result_.theta.back() = tentative_->pose.theta;
@@ -139,14 +172,14 @@ FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
 
 void FirstPass::follow_marker(std::int64_t index, TrackPoint& point) {
   if (!marker_.follower) return;
-  const auto running = clock_.enter(Stage::marker);
+  const auto running = clock_.enter("first pass: marker");
   if (const FollowStep seen = marker_.follower->step(source_, index); seen.status == TrackStatus::ok)
     point.marker = marker_point(*seen.sighting);
 }
 
 void FirstPass::sample_lamp(std::int64_t index, TrackPoint& point) {
   if (!lamp_) return;
-  const auto running = clock_.enter(Stage::lamp);
+  const auto running = clock_.enter("first pass: gate lamp");
   const GateLamp::Sample light = lamp_->sample(source_, index);
   point.gate = light.level;
   clipped_share_ = std::max(clipped_share_, light.clipped_share);
@@ -155,13 +188,13 @@ void FirstPass::sample_lamp(std::int64_t index, TrackPoint& point) {
 void FirstPass::glance_at_ground(std::int64_t index, const FollowStep& step) {
   if (step.sighting) last_seen_ = step.sighting->position;
   if (!glance_ || !glance_->wants(index)) return;
-  const auto running = clock_.enter(Stage::marker);
+  const auto running = clock_.enter("first pass: marker");
   glance_->see(source_, index, over_ground(last_seen_, setup_.pattern, options_));
 }
 
 /// Where it serves as the marker, or is seen to move.
 void FirstPass::follow_ground(TrackSummary& summary) {
-  const auto running = clock_.enter(Stage::marker);
+  const auto running = clock_.enter("first pass: marker");
   if (glance_) {
     const GroundVerdict ground = look_at_ground(glance_->sample(), noise_variance_);
     if (!ground.moves) summary.plan.push_back(ground_marker_stage(ground.reason, 0));
@@ -173,7 +206,9 @@ void FirstPass::follow_ground(TrackSummary& summary) {
       follow_platform(source_, range_.first, options_, noise_variance_, setup_.pattern, track_);
   summary.ground_is_marker = marker.followed;
   summary.plan.push_back(marker.stage);
-  if (marker.lost > 0) summary.warnings.push_back(texture_lost_warning(marker.lost));
+  if (marker.lost > 0)
+    summary.warnings.push_back(
+        fmt::format("the platform's texture was not found again in {} frames", marker.lost));
 }
 
 Track FirstPass::finish(TrackSummary& summary) {
@@ -196,7 +231,12 @@ Track FirstPass::finish(TrackSummary& summary) {
   static_cast<FrameCounts&>(summary) = count(track_, options_.max_lost_share);
   summary.refound = refound_;
   add(summary.plan, search_stages(part_.effort(), summary.frames));
-  if (part_.effort().ended) summary.warnings.push_back(alike_warning(source_.number(*part_.effort().ended)));
+  if (part_.effort().ended)
+    summary.warnings.push_back(fmt::format(
+        "the track ends before frame {}: from there on others that look like the part may have come to where "
+        "it "
+        "is seen; record at a higher rate, or mark the part",
+        source_.number(*part_.effort().ended)));
   if (rim_shape_) summary.plan.push_back(rim_stage(std::ranges::count(result_.by_rim, true), summary.ok));
   if (options_.target.kind == Target::Kind::find_disc) {
     const auto still = stillness_warning(track_, summary.disc);
@@ -210,7 +250,7 @@ Track FirstPass::finish(TrackSummary& summary) {
 
 void FirstPass::show(const Track& track, const std::vector<ShownFrame>& frames) {
   if (!options_.debug) return;
-  const auto running = clock_.enter(Stage::debug_pictures);
+  const auto running = clock_.enter("debug pictures");
   show_template(setup_, first_, *options_.debug);
   show_first_pass(setup_, first_, result_, track, frames, source_, *options_.debug);
 }
@@ -231,11 +271,11 @@ GateLamp::GateLamp(const Circle& circle, const FrameSource& source)
   const int y1 = static_cast<int>(std::ceil(circle.y + circle.radius));
   window_ = {x0, y0, x1 - x0 + 1, y1 - y0 + 1};
   if (!(circle.radius > 0) || !source.bounds().contains(window_)) {
-    std::ostringstream text;
-    text << source.info().path.string() << ": the gate's lamp at (" << circle.x << ", " << circle.y
-         << ") px with radius " << circle.radius << " px is not wholly in the " << source.info().width
-         << " x " << source.info().height << " picture; correct gate_px";
-    throw InputError(text.str());
+    throw InputError(fmt::format(
+        "{}: the gate's lamp at ({:g}, {:g}) px with radius {:g} px is not wholly in the {} x {} picture; "
+        "correct gate_px",
+        source.info().path.string(), circle.x, circle.y, circle.radius, source.info().width,
+        source.info().height));
   }
   for (int y = 0; y < window_.height; ++y)
     for (int x = 0; x < window_.width; ++x) pixels_ += in_circle(circle_, window_.x + x, window_.y + y);

@@ -1,26 +1,55 @@
 // The first pass: the part, the marker and the lamp followed frame by frame, each by its own template.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "vision/audit/halves.h"
+#include "vision/frame_source.h"
+#include "vision/picture.h"
 #include "vision/platform_motion/motion.h"
-#include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
 #include "vision/stages/stage_clock.h"
-#include "vision/tracking/gate_lamp.h"
 #include "vision/tracking/platform.h"
 #include "vision/tracking/setup.h"
 
 namespace tribotrack::vision {
 
+/// Mean grey level of the pixels whose centres lie in a circle, frame by frame. The lamp does not move, so
+/// every pixel of the circle sees a fixed share of it and the mean is linear in the light: lit for a share s
+/// of an exposure it lies at off + s (on - off), whatever the circle's fit to the lamp. Only pixels that clip
+/// break this; they are counted.
+class GateLamp {
+ public:
+  /// Throws InputError where the circle is not wholly in the picture.
+  GateLamp(const Circle& circle, const FrameSource& source);
+
+  struct Sample {
+    double level = 0;          ///< grey levels
+    double clipped_share = 0;  ///< share of the pixels at the top level
+  };
+  Sample sample(FrameSource& source, std::int64_t index);
+
+  int pixels() const { return pixels_; }
+
+ private:
+  Circle circle_;
+  Rect window_;
+  float top_;
+  int pixels_ = 0;
+  Picture picture_;  ///< work space
+};
+
 class FirstPass {
  public:
-  /// Keeps references. The part must be there in the first frame of the range. Throws InputError where it,
+  /// Keeps references. The range begins where the part is first seen. Throws InputError where it,
   /// the marker or the lamp cannot be followed from there.
-  FirstPass(FrameSource& source, const FrameRange& range, const Camera& camera, const TrackOptions& options,
-            StageClock& clock);
+  FirstPass(FrameSource& source, const FrameRange& range, const Appearance& seen, const Camera& camera,
+            const TrackOptions& options, StageClock& clock);
+
+  /// Of the part in the first frame.
+  const std::optional<DiscFit>& rim() const { return rim_; }
 
   /// The next frame; they must come in order. Where the part was seen, if it was: it may still turn out not
   /// to be the part.

@@ -35,64 +35,6 @@ FrameCounts count(const Track& track, double max_lost_share) {
   return counts;
 }
 
-PlanStage bad_pixels_stage(std::size_t found) {
-  if (found == 0)
-    return {.name = "bad pixels",
-            .reason = "no pixel differs from all its neighbours in all of the first frames",
-            .error_bound_px = 0};  // nothing to replace: the pictures are the same either way
-  return {.name = "bad pixels",
-          .on = true,
-          .reason = fmt::format("{} differ from their neighbours in all of the first frames and are replaced "
-                                "by the median of the neighbours",
-                                found)};
-}
-
-PlanStage mask_stage(bool beyond_rim, double texture, double noise) {
-  return {.name = "mask beyond the rim",
-          .on = beyond_rim,
-          .reason = fmt::format(
-              "the ground around the disc has a texture of {:.1f} grey levels rms against noise of {:.1f}",
-              texture, noise)};
-}
-
-PlanStage rotation_stage(bool on, bool visible, double limit_theta) {
-  constexpr double kAnyAngle = 10;  // rad: rotation is not visible at all
-  PlanStage stage{.name = "rotation", .on = on, .reason = {}};
-  if (visible && !on)
-    stage.reason = "what looks like a texture of the part is not seen again in the following frames";
-  else if (limit_theta < kAnyAngle)
-    stage.reason = fmt::format("the part's texture shows its rotation to {:.3g} rad", limit_theta);
-  else
-    stage.reason = "the part has no texture above the noise that shows rotation";
-  return stage;
-}
-
-PlanStage template_stage(bool may_turn, double noise_cost, std::optional<int> agreeing, double adds_px) {
-  PlanStage stage{.name = "template averaged over the first frames",
-                  .on = agreeing.value_or(1) > 1,
-                  .reason = {},
-                  .error_bound_px = adds_px};
-  if (may_turn) {
-    stage.reason = "the part may turn: frames cannot be averaged";
-    return stage;
-  }
-  stage.reason =
-      fmt::format("the noise of a single template adds {:.2g} % to the variance", 100 * noise_cost);
-  if (agreeing) stage.reason += fmt::format("; {} frames agree", *agreeing);
-  return stage;
-}
-
-PlanStage no_marker_stage() {
-  return {.name = "marker", .reason = "none given: positions are in the camera's frame"};
-}
-
-PlanStage marker_stage(const Circle& marker) {
-  return {.name = "marker",
-          .on = true,
-          .reason = fmt::format("at ({:.1f}, {:.1f}) px, radius {:.1f} px: its motion is subtracted",
-                                marker.x, marker.y, marker.radius)};
-}
-
 PlanStage ground_marker_stage(const std::string& ground, int learnt_from) {
   if (learnt_from == 0)
     return {.name = "marker",
@@ -103,63 +45,12 @@ PlanStage ground_marker_stage(const std::string& ground, int learnt_from) {
               fmt::format("none: {}; learnt from {} frames, its motion is subtracted", ground, learnt_from)};
 }
 
-std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t frames) {
-  const double proved = static_cast<double>(effort.proved_by_refinement) /
-                        static_cast<double>(std::max<std::int64_t>(1, frames));
-  return {
-      {.name = "correlation over the predicted window",
-       .on = effort.window_searches > 0,
-       .reason = fmt::format("refinement from the prediction confirmed the match in {:.1f} % of the frames",
-                             100 * proved)},
-      {.name = "search of the whole frame",
-       .on = effort.whole_frame_searches > 0,
-       .reason = fmt::format("needed in {} frames, where the part was lost", effort.whole_frame_searches)}};
-}
-
-PlanStage rim_stage(std::int64_t by_rim, std::int64_t seen) {
-  return {
-      .name = "rim alone",
-      .on = by_rim > 0,
-      .reason =
-          by_rim > 0
-              ? fmt::format("the template was not confirmed in {} of {} frames in which the part's edge was: "
-                            "those are measured by the edge",
-                            by_rim, seen)
-              : fmt::format("the template was confirmed in all {} frames", seen)};
-}
-
-PlanStage chamfer_stage(const OuterEdge& edge, bool given) {
-  const std::string ring =
-      given ? fmt::format("a chamfer of {:.2f} px is given", edge.widest)
-      : edge.measured
-          ? fmt::format("a chamfer of {:.2f} px is seen in the rays of the mean picture", edge.widest)
-          : fmt::format("a chamfer of up to {:.2f} px as dark as the ground would not show", edge.widest);
-  return {
-      .name = "chamfer",
-      .on = edge.measured,
-      .reason = fmt::format("{}; the outer edge lies {:.2f} px beyond the edge that is seen, sd {:.2f} px",
-                            ring, edge.beyond, edge.beyond_sd),
-      .error_bound_px = edge.measured ? std::optional<double>() : edge.beyond_sd};
-}
-
 std::string no_rim_warning(const char* what, const Circle& given) {
   return fmt::format(
       "the {}'s edge near ({:.1f}, {:.1f}) px is not seen as a circle: its given centre and radius are used "
       "as "
       "they are, and a scale from its diameter is as good as the given radius",
       what, given.x, given.y);
-}
-
-std::string texture_lost_warning(std::int64_t frames) {
-  return fmt::format("the platform's texture was not found again in {} frames", frames);
-}
-
-std::optional<std::string> excess_warning(double excess, double noise) {
-  if (!(excess > 0.5 * noise)) return std::nullopt;
-  return fmt::format(
-      "the registration leaves {:.2f} grey levels rms beyond the noise of {:.2f} (moving ground seen through "
-      "the edge, glare, compression): the standard deviations are widened accordingly",
-      excess, noise);
 }
 
 namespace {
@@ -200,14 +91,6 @@ std::optional<std::string> carried_warning(const Track& track, const Circle& dis
       "part, "
       "held by the platform, or something fixed to it? Give the part with --disc X,Y,R",
       disc.x, disc.y, *range);
-}
-
-std::string alike_warning(std::int64_t frame) {
-  return fmt::format(
-      "the track ends before frame {}: from there on others that look like the part may have come to where "
-      "it "
-      "is seen; record at a higher rate, or mark the part",
-      frame);
 }
 
 std::optional<std::string> without_a_mark(Track& track, std::size_t begin) {

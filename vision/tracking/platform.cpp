@@ -87,10 +87,8 @@ PatternFollower marker_follower(const Picture& first, FrameSource& source, const
   follow.noise_variance = noise_variance;
   follow.search_whole_frame = false;
   const Pattern pattern = disc_pattern(first, circle);
-  RegistrationOptions registration;
-  registration.noise_variance = noise_variance;
   AveragedTemplate average;
-  if (TemplateRegistration(first, pattern, registration).template_noise_cost() > kQuietTemplate) {
+  if (TemplateRegistration(first, pattern, follow).template_noise_cost() > kQuietTemplate) {
     average = average_template(source, first, range.first, range.last, pattern, follow);
     follow.template_noise_share = 1.0 / average.frames;
   }
@@ -104,7 +102,7 @@ MarkerSetup set_up_marker(const Picture& first, FrameSource& source, const Frame
   MarkerSetup setup;
   switch (options.marker.kind) {
     case MarkerChoice::Kind::none:
-      setup.plan.push_back(no_marker_stage());
+      setup.plan.push_back({.name = "marker", .reason = "none given: positions are in the camera's frame"});
       return setup;
     case MarkerChoice::Kind::automatic:
     case MarkerChoice::Kind::texture:
@@ -124,7 +122,11 @@ MarkerSetup set_up_marker(const Picture& first, FrameSource& source, const Frame
       if (!found) return setup;
       setup.circle = *found;
   }
-  setup.plan.push_back(marker_stage(setup.circle));
+  setup.plan.push_back(
+      {.name = "marker",
+       .on = true,
+       .reason = fmt::format("at ({:.1f}, {:.1f}) px, radius {:.1f} px: its motion is subtracted",
+                             setup.circle.x, setup.circle.y, setup.circle.radius)});
   setup.follower.emplace(
       marker_follower(first, source, range, setup.circle, options.min_ncc, noise_variance));
   return setup;

@@ -8,8 +8,9 @@
 #include <limits>
 
 #include "vision/camera/pixels.h"
-#include "vision/following/template_average.h"
+#include "vision/following/pattern_follower.h"
 #include "vision/io/levels.h"
+#include "vision/kernels/median.h"
 #include "vision/registration/registration.h"
 #include "vision/tracking/notes.h"
 
@@ -34,15 +35,10 @@ double ground_texture(const Picture& first, const Circle& disc, double blur, dou
       if (rho >= inner && rho <= outer) levels.push_back(first.at(x, y));
     }
   if (levels.size() < 20) return 0;
-  const auto median = [&] {
-    const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
-    std::nth_element(levels.begin(), middle, levels.end());
-    return *middle;
-  };
-  const float centre = median();
+  const float centre = median(levels);
   for (float& level : levels) level = std::abs(level - centre);
   // The median of whole levels is coarse: good enough to reject outliers, not for the texture itself.
-  const double outlier = 4 * std::max(1.0, 1.4826 * median());
+  const double outlier = 4 * std::max(1.0, kNormalMad * median(levels));
   double squares = 0;
   double count = 0;
   for (const float level : levels)
@@ -62,18 +58,27 @@ void set_up_rectangle(PartSetup& setup, const Picture& first, const FrameSource&
   setup.disc = {setup.pattern.centre.x, setup.pattern.centre.y, 0};
 }
 
-void locate_disc(PartSetup& setup, const Picture& first, const FrameSource& source, std::int64_t index,
+void locate_disc(PartSetup& setup, const Picture& first, const FrameSource& source, const Appearance& seen,
                  const TrackOptions& options) {
   if (options.target.kind == Target::Kind::disc) {
     check_whole(first, options.target.disc, source, "disc");
-    setup.rim = refined(first, options.target.disc);
+    setup.rim = seen.discs.empty() ? refined(first, options.target.disc) : seen.discs.front();
     if (!setup.rim) setup.warnings.push_back(no_rim_warning("disc", options.target.disc));
   } else {
-    setup.rim = find_part(first, source, index, options);
+    setup.rim = find_part(first, source, seen, options);
   }
   setup.disc = setup.rim ? setup.rim->circle : options.target.disc;
   setup.disc_radius_sd = setup.rim ? setup.rim->radius_sd : kClickSd;
   setup.disc_blur = setup.rim ? setup.rim->blur : 0;
+}
+
+/// Levels rms: texture of the ground around the disc, and the noise.
+PlanStage mask_stage(bool beyond_rim, double texture, double noise) {
+  return {.name = "mask beyond the rim",
+          .on = beyond_rim,
+          .reason = fmt::format(
+              "the ground around the disc has a texture of {:.1f} grey levels rms against noise of {:.1f}",
+              texture, noise)};
 }
 
 /// A textured ground around the disc moves against it: then the mask ends at the rim.
@@ -85,6 +90,19 @@ void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
   setup.plan.push_back(mask_stage(beyond_rim, setup.ground_texture, noise));
 }
 
+/// `limit_theta` rad: Cramer-Rao bound of the rotation; `visible`: it is small enough for a first frame.
+PlanStage rotation_stage(bool on, bool visible, double limit_theta) {
+  constexpr double kAnyAngle = 10;  // rad: rotation is not visible at all
+  PlanStage stage{.name = "rotation", .on = on, .reason = {}};
+  if (visible && !on)
+    stage.reason = "what looks like a texture of the part is not seen again in the following frames";
+  else if (limit_theta < kAnyAngle)
+    stage.reason = fmt::format("the part's texture shows its rotation to {:.3g} rad", limit_theta);
+  else
+    stage.reason = "the part has no texture above the noise that shows rotation";
+  return stage;
+}
+
 void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const Picture& first,
                      FrameSource& source, const FrameRange& range) {
   const bool visible = trial.limit_theta() < kRotationLimit;
@@ -93,6 +111,23 @@ void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const 
       visible && (setup.pattern.radius == 0 ||
                   texture_returns(source, first, range.first, range.last, setup.pattern, setup.follow));
   setup.plan.push_back(rotation_stage(setup.follow.rotation, visible, trial.limit_theta()));
+}
+
+/// A single template's noise adds `noise_cost` to the variance, relative, and `adds_px` to the standard
+/// deviation. `agreeing` frames: nothing where averaging was not tried.
+PlanStage template_stage(bool may_turn, double noise_cost, std::optional<int> agreeing, double adds_px) {
+  PlanStage stage{.name = "template averaged over the first frames",
+                  .on = agreeing.value_or(1) > 1,
+                  .reason = {},
+                  .error_bound_px = adds_px};
+  if (may_turn) {
+    stage.reason = "the part may turn: frames cannot be averaged";
+    return stage;
+  }
+  stage.reason =
+      fmt::format("the noise of a single template adds {:.2g} % to the variance", 100 * noise_cost);
+  if (agreeing) stage.reason += fmt::format("; {} frames agree", *agreeing);
+  return stage;
 }
 
 /// The template is averaged over the first frames where its noise matters.
@@ -111,7 +146,7 @@ void quiet_template(PartSetup& setup, double noise_cost, const Picture& first, F
 }  // namespace
 
 PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRange& range,
-                      const TrackOptions& options, double noise_variance) {
+                      const Appearance& seen, const TrackOptions& options, double noise_variance) {
   PartSetup setup;
   setup.follow.min_ncc = options.min_ncc;
   setup.follow.noise_variance = noise_variance;
@@ -119,12 +154,10 @@ PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRang
   if (options.target.kind == Target::Kind::rectangle) {
     set_up_rectangle(setup, first, source, options.target.rectangle);
   } else {
-    locate_disc(setup, first, source, range.first, options);
+    locate_disc(setup, first, source, seen, options);
     mask_disc(setup, first, noise_variance);
   }
-  RegistrationOptions registration;
-  registration.noise_variance = noise_variance;
-  const TemplateRegistration trial(first, setup.pattern, registration);
+  const TemplateRegistration trial(first, setup.pattern, setup.follow);
   setup.limit_px = std::sqrt(0.5 * trial.limit().trace());
   decide_rotation(setup, trial, first, source, range);
   quiet_template(setup, trial.template_noise_cost(), first, source, range);
@@ -160,11 +193,7 @@ constexpr float kNotKnown = std::numeric_limits<float>::quiet_NaN();
 constexpr int kContext = 4;  ///< px shown about the template
 
 TemplateRegistration registration_of(const PartSetup& part, const Picture& first) {
-  RegistrationOptions options;
-  options.noise_variance = part.follow.noise_variance;
-  options.template_noise_share = part.follow.template_noise_share;
-  options.rotation = part.follow.rotation;
-  return {part.average.picture(first), part.pattern, options};
+  return {part.average.picture(first), part.pattern, part.follow};
 }
 
 /// The camera's pixels about the template at a pose.

@@ -8,10 +8,7 @@
 
 #include "vision/camera/pixels.h"
 #include "vision/following/pattern_follower.h"
-#include "vision/following/template_average.h"
-#include "vision/stages/debug_pictures.h"
 #include "vision/stages/first_pass_result.h"
-#include "vision/stages/frame_range.h"
 #include "vision/tracking/target.h"
 
 namespace tribotrack::vision {
@@ -45,7 +42,7 @@ struct PartSetup {
 
 /// Throws InputError where the part cannot be followed from this frame.
 PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRange& range,
-                      const TrackOptions& options, double noise_variance);
+                      const Appearance& seen, const TrackOptions& options, double noise_variance);
 
 // Pictures of the first pass for debugging.
 

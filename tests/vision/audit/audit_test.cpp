@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "vision/audit/mean_square.h"
+#include "vision/audit/halves.h"
 #include "vision/audit/synthetic_track.h"
 
 namespace tribotrack::vision {

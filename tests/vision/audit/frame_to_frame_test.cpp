@@ -1,4 +1,4 @@
-#include "vision/audit/frame_to_frame.h"
+#include "vision/audit/audit.h"
 
 #include <gtest/gtest.h>
 

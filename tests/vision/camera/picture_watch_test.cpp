@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "vision/analytic_scene.h"
-#include "vision/camera/roundness.h"
+#include "vision/edge/radius.h"
 #include "vision/recordings.h"
 
 namespace tribotrack::vision {

@@ -105,7 +105,7 @@ TEST(FindDiscs, MarkerIsFoundApartFromTheDisc) {
   EXPECT_NEAR(marker[0].circle.y, 70.8, 0.2);
 }
 
-/// Nothing that is as large is missed, and the first is the same; a picture shows a disc where one is found.
+/// Nothing that is as large is missed, and the first is the same.
 TEST(FindDiscs, SearchesForLessFindTheSame) {
   constexpr unsigned seed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -125,10 +125,7 @@ TEST(FindDiscs, SearchesForLessFindTheSame) {
       EXPECT_NEAR(some[k].circle.x, all[k].circle.x, 1e-3) << radius;
       EXPECT_NEAR(some[k].circle.radius, all[k].circle.radius, 1e-3) << radius;
     }
-    EXPECT_TRUE(shows_disc(picture, {}));
   }
-  const Picture empty = test::noisy(scene_with(500, 500, 20, 170, 200).render(), 2, random);
-  EXPECT_FALSE(shows_disc(empty, {}));
 }
 
 TEST(FindDiscs, NothingRoundNothingFound) {

@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "vision/edge/bands.h"
 #include "vision/edge/optics.h"
+#include "vision/edge/samples.h"
 
 namespace tribotrack::vision {
 namespace {

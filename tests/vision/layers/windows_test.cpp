@@ -1,4 +1,4 @@
-#include "vision/layers/windows.h"
+#include "vision/layers/measuring.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // What is shown of every stage must be what the stage used: known scenes, their true background, disc and
 // noise.
-#include "vision/stages/debug_pictures.h"
+#include "vision/stages/first_pass_result.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,6 @@
 
 #include "vision/drawn_tags.h"
 #include "vision/recordings.h"
-#include "vision/tags/dictionary.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {

@@ -1,4 +1,4 @@
-#include "vision/tracking/gate_lamp.h"
+#include "vision/tracking/first_pass.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "vision/formats/cine/sink.h"
+#include "vision/formats/cine/source.h"
 
 #include <algorithm>
 #include <cerrno>

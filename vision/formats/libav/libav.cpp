@@ -1,15 +1,24 @@
 #include "vision/formats/libav/libav.h"
 
+#include <libavutil/motion_vector.h>
+#include <libavutil/video_enc_params.h>
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cctype>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <cstring>
 #include <mutex>
+#include <span>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "vision/io/files.h"
+#include "vision/io/levels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -112,6 +121,211 @@ std::optional<std::uint64_t> matroska_end(const std::filesystem::path& path) {
     offset += static_cast<std::uint64_t>(length);
   }
   return size == mask ? kUnfinished : offset + size;
+}
+
+namespace {
+
+void palette_row(const AVFrame& frame, int x, int y, std::span<float> levels) {
+  const std::uint8_t* codes = frame.data[0] + static_cast<std::ptrdiff_t>(y) * frame.linesize[0] + x;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const std::uint8_t* argb = frame.data[1] + 4 * static_cast<std::size_t>(codes[i]);  // B G R A in memory
+    levels[i] = luma(argb[2], argb[1], argb[0]);
+  }
+}
+
+}  // namespace
+
+LibavPixelForm libav_pixel_form(int format) {
+  const AVPixFmtDescriptor* form = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(format));
+  if (!form) throw std::invalid_argument("its pixels are of no known kind");
+  const std::string name = form->name;
+  if (form->flags & AV_PIX_FMT_FLAG_BAYER)
+    throw std::invalid_argument("its pixels are a colour filter mosaic (" + name +
+                                "), which is no grey picture; export it as grey");
+  if (form->flags & (AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BITSTREAM))
+    throw std::invalid_argument("its pixels (" + name +
+                                ") are of a kind that is not read; convert it to grey");
+  LibavPixelForm known;
+  known.name = name;
+  known.rgb = (form->flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL)) != 0;
+  known.colour = known.rgb || form->nb_components >= 3;
+  known.bits = form->flags & AV_PIX_FMT_FLAG_PAL ? 8 : form->comp[0].depth;
+  if (known.rgb && !(form->flags & AV_PIX_FMT_FLAG_PAL) &&
+      (form->comp[1].depth != known.bits || form->comp[2].depth != known.bits))
+    throw std::invalid_argument("its pixels (" + name +
+                                ") have colours of different depth; convert it to grey");
+  return known;
+}
+
+void copy_libav_window(const AVFrame& frame, const Rect& window, Picture& picture) {
+  const AVPixFmtDescriptor& form = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+  const AVComponentDescriptor& first = form.comp[0];
+  const bool big_endian = (form.flags & AV_PIX_FMT_FLAG_BE) != 0;
+  // Eight bits, or a whole 16-bit word, side by side: the row can be copied straight.
+  const bool plain_8 = first.step == 1 && first.shift == 0 && first.depth == 8;
+  const bool plain_16 = first.step == 2 && first.shift == 0 && first.depth > 8 && !big_endian;
+  std::array<std::vector<std::uint16_t>, 3> parts;
+  const auto read = [&](int component, int y) -> const std::vector<std::uint16_t>& {
+    std::vector<std::uint16_t>& row = parts[static_cast<std::size_t>(component)];
+    row.resize(static_cast<std::size_t>(window.width));
+    av_read_image_line2(row.data(), const_cast<const std::uint8_t**>(frame.data), frame.linesize, &form,
+                        window.x, window.y + y, component, window.width, 0, sizeof row[0]);
+    return row;
+  };
+  for (int y = 0; y < window.height; ++y) {
+    const std::span<float> levels = picture.row(y);
+    const std::uint8_t* stored = frame.data[first.plane] +
+                                 static_cast<std::ptrdiff_t>(window.y + y) * frame.linesize[first.plane] +
+                                 first.offset + static_cast<std::ptrdiff_t>(window.x) * first.step;
+    if (form.flags & AV_PIX_FMT_FLAG_PAL) {
+      palette_row(frame, window.x, window.y + y, levels);
+    } else if (form.flags & AV_PIX_FMT_FLAG_RGB) {
+      const auto &red = read(0, y), &green = read(1, y), &blue = read(2, y);
+      for (std::size_t x = 0; x < levels.size(); ++x) levels[x] = luma(red[x], green[x], blue[x]);
+    } else if (plain_8) {
+      copy_levels(stored, levels);
+    } else if (plain_16) {
+      copy_levels_16(stored, levels);
+    } else {
+      std::ranges::copy(read(0, y), levels.begin());
+    }
+  }
+}
+
+namespace {
+
+constexpr int kCell = CodedFrame::kCell;
+
+int properties(AVCodecID id) {
+  const AVCodecDescriptor* descriptor = avcodec_descriptor_get(id);
+  return descriptor ? descriptor->props : 0;
+}
+
+bool may_be_lossy(AVCodecID id) {
+  return (properties(id) & AV_CODEC_PROP_LOSSY) != 0;
+}
+
+/// The coder's own words: user data that is not registered, 16 bytes of identity first.
+std::string settings_of(const AVFrame& frame) {
+  for (int i = 0; i < frame.nb_side_data; ++i) {
+    const AVFrameSideData& data = *frame.side_data[i];
+    constexpr std::size_t kIdentity = 16;
+    if (data.type != AV_FRAME_DATA_SEI_UNREGISTERED || data.size <= kIdentity) continue;
+    std::string text(reinterpret_cast<const char*>(data.data) + kIdentity, data.size - kIdentity);
+    text.resize(std::strlen(text.c_str()));
+    if (text.starts_with("x264") || text.starts_with("x265")) return text;
+  }
+  return {};
+}
+
+/// Calls with the cells, clipped to the frame, that a block covers.
+template <class Do>
+void for_cells(CodedFrame& coded, int x, int y, int width, int height, Do&& change) {
+  const int left = std::max(0, x / kCell), top = std::max(0, y / kCell);
+  const int right = std::min(coded.columns, (x + width + kCell - 1) / kCell);
+  const int bottom = std::min(coded.rows, (y + height + kCell - 1) / kCell);
+  for (int row = top; row < bottom; ++row)
+    for (int column = left; column < right; ++column)
+      change(coded.cells[static_cast<std::size_t>(row * coded.columns + column)]);
+}
+
+float step_of(AVCodecID id, int qp) {
+  return id == AV_CODEC_ID_H264 ? static_cast<float>(0.625 * std::exp2(qp / 6.0)) : static_cast<float>(qp);
+}
+
+void take_steps(const AVFrameSideData& data, AVCodecID id, CodedFrame& coded) {
+  const auto* parameters = reinterpret_cast<const AVVideoEncParams*>(data.data);
+  for (unsigned i = 0; i < parameters->nb_blocks; ++i) {
+    const auto& block = *reinterpret_cast<const AVVideoBlockParams*>(data.data + parameters->blocks_offset +
+                                                                     i * parameters->block_size);
+    const float step = step_of(id, parameters->qp + block.delta_qp);
+    for_cells(coded, block.src_x, block.src_y, block.w, block.h, [&](CodedCell& cell) { cell.step = step; });
+  }
+}
+
+/// A block without a vector is coded by itself; one of several vectors that moves makes it a moving one.
+void take_vectors(const AVFrameSideData& data, CodedFrame& coded) {
+  const std::span vectors(reinterpret_cast<const AVMotionVector*>(data.data),
+                          data.size / sizeof(AVMotionVector));
+  for (const AVMotionVector& v : vectors)
+    for_cells(coded, v.dst_x - v.w / 2, v.dst_y - v.h / 2, v.w, v.h, [&](CodedCell& cell) {
+      const bool moves = v.motion_x != 0 || v.motion_y != 0;
+      if (moves || cell.kind == CodedCell::Kind::intra)
+        cell.kind = moves ? CodedCell::Kind::moving : CodedCell::Kind::still;
+    });
+}
+
+/// Half a step where another frame predicts nothing: plain rounding.
+double dead_zone_of(AVCodecID id, const std::string& settings) {
+  if (id == AV_CODEC_ID_MJPEG) return 0.5;
+  if (id == AV_CODEC_ID_MPEG4 || id == AV_CODEC_ID_H263) return 1.25;  // |c| < 2.5 q is 0
+  if (const auto at = settings.find("deadzone="); at != std::string::npos)
+    return 0.5 + std::atof(settings.c_str() + at + 9) / 64;
+  return 0.83;
+}
+
+}  // namespace
+
+void ask_for_coding(AVCodecContext& decoder) {
+  if (!may_be_lossy(decoder.codec_id)) return;
+  decoder.export_side_data |= AV_CODEC_EXPORT_DATA_VIDEO_ENC_PARAMS | AV_CODEC_EXPORT_DATA_MVS;
+}
+
+std::optional<Coder> coder_of(const AVCodecContext& decoder, const AVFrame& first, const CodedFrame& coded) {
+  const AVCodecID id = decoder.codec_id;
+  if (!may_be_lossy(id)) return std::nullopt;
+  Coder coder;
+  coder.settings = settings_of(first);
+  coder.step = coded.mean_step();
+  // Both kinds exist: a step below one grey level's rounding, or the coder's word.
+  const bool may_be_lossless = (properties(id) & AV_CODEC_PROP_LOSSLESS) != 0;
+  const auto largest = std::ranges::max_element(coded.cells, {}, &CodedCell::step);
+  if (may_be_lossless && largest != coded.cells.end() && largest->step > 0 && largest->step < 1)
+    return std::nullopt;
+  if (coder.settings.find(" lossless ") != std::string::npos) return std::nullopt;
+  const bool named = !coder.settings.empty();
+  coder.name = named ? coder.settings.substr(0, 4) : avcodec_get_name(id);
+  coder.grid = id == AV_CODEC_ID_HEVC || id == AV_CODEC_ID_VP9 || id == AV_CODEC_ID_AV1 ? 16 : 8;
+  coder.dead_zone = dead_zone_of(id, coder.settings);
+  coder.known = coder.name == "x264" || id == AV_CODEC_ID_MJPEG || id == AV_CODEC_ID_MPEG4;
+  return coder;
+}
+
+CodedFrame coded_frame_of(const AVCodecContext& decoder, const AVFrame& frame, float table_step) {
+  CodedFrame coded;
+  const char type = av_get_picture_type_char(frame.pict_type);
+  coded.type = type == 'S' ? 'P' : type;
+  const AVFrameSideData* steps = av_frame_get_side_data(&frame, AV_FRAME_DATA_VIDEO_ENC_PARAMS);
+  if (!steps && !(table_step > 0)) return coded;
+  coded.columns = (frame.width + kCell - 1) / kCell;
+  coded.rows = (frame.height + kCell - 1) / kCell;
+  coded.cells.assign(static_cast<std::size_t>(coded.columns * coded.rows),
+                     {CodedCell::Kind::intra, table_step});
+  if (steps) take_steps(*steps, decoder.codec_id, coded);
+  if (const auto* vectors = av_frame_get_side_data(&frame, AV_FRAME_DATA_MOTION_VECTORS))
+    take_vectors(*vectors, coded);
+  return coded;
+}
+
+float jpeg_step(const AVPacket& packet) {
+  const std::span bytes(packet.data, static_cast<std::size_t>(packet.size));
+  constexpr std::size_t kLowest = 10;  // in zigzag order, after the mean level
+  for (std::size_t i = 0; i + 5 + 64 <= bytes.size(); ++i) {
+    if (bytes[i] != 0xFF) continue;
+    if (bytes[i + 1] == 0xDA) break;  // the picture's data begin
+    if (bytes[i + 1] != 0xDB) continue;
+    const bool wide = (bytes[i + 4] >> 4) != 0;
+    const std::size_t size = wide ? 2 : 1;
+    if (i + 5 + 64 * size > bytes.size()) break;
+    std::array<float, kLowest> entries{};
+    for (std::size_t k = 0; k < kLowest; ++k) {
+      const std::size_t at = i + 5 + (k + 1) * size;
+      entries[k] = wide ? static_cast<float>(bytes[at] << 8 | bytes[at + 1]) : static_cast<float>(bytes[at]);
+    }
+    std::ranges::sort(entries);
+    return 0.5F * (entries[kLowest / 2 - 1] + entries[kLowest / 2]);
+  }
+  return 0;
 }
 
 }  // namespace tribotrack::vision

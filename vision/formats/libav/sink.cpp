@@ -1,4 +1,4 @@
-#include "vision/formats/libav/sink.h"
+#include "vision/formats/libav/source.h"
 
 #include <fmt/core.h>
 

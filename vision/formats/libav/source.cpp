@@ -9,7 +9,6 @@
 #include <numeric>
 #include <span>
 
-#include "vision/formats/libav/frames.h"
 #include "vision/formats/libav/libav.h"
 #include "vision/formats/photron/photron.h"
 #include "vision/io/files.h"

@@ -1,4 +1,4 @@
-#include "vision/formats/pictures/names.h"
+#include "vision/formats/pictures/pictures.h"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "vision/formats/photron/photron.h"
-#include "vision/formats/pictures/names.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
 #include "vision/io/picture_files.h"

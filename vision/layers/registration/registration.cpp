@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "vision/kernels/dense.h"
-#include "vision/kernels/informative_pixels.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/tile_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -233,7 +233,7 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   sample(s.centre, true);
   Point formed = s.centre;
   normal_ = normal_matrix(prior);
-  FewFactor<TileSums::kMost> factor(normal_);
+  FewFactor factor(normal_);
   const double tolerance = kTolerance / std::sqrt(std::max(normal_(kStepX, kStepX), normal_(kStepY, kStepY)));
   bool trimmed = false;
   bool converged = false;
@@ -343,7 +343,7 @@ std::optional<HalvesError> LayeredRegistration::halves() const {
   // What was known of the light beforehand.
   normal.topLeftCorner(n - 1, n - 1).diagonal() =
       normal.topLeftCorner(n - 1, n - 1).diagonal().cwiseMax(normal_.diagonal());
-  const FewFactor<TileSums::kMost> factor(normal);
+  const FewFactor factor(normal);
   const Vector step = factor.solve(score);
   if (!step.allFinite()) return std::nullopt;
   for (TileSums& t : tiles) t.score -= t.normal * step;

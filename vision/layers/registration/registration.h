@@ -4,7 +4,7 @@
 // s and b. The gradient with respect to c is
 // -(a (1 + s . u) grad (F - alpha mean G) + b G grad alpha). Pictures are quintic splines shifted against the
 // untouched frame, whose noise stays white. Only pixels that tell something about c take part, in tiles of
-// 8 x 8 (informative_pixels.h).
+// 8 x 8 (informative_pixels()).
 #pragma once
 
 #include <Eigen/Core>
@@ -13,11 +13,9 @@
 
 #include "vision/audit/halves.h"
 #include "vision/layers/model/ground.h"
-#include "vision/layers/model/light.h"
 #include "vision/layers/model/part.h"
 #include "vision/layers/model/state.h"
 #include "vision/layers/registration/kernels.h"
-#include "vision/layers/registration/scatter.h"
 
 namespace tribotrack::vision {
 
@@ -28,6 +26,11 @@ struct LayeredFix {
   double chi_squared = 0;                                ///< per pixel: weighted residual
   double ncc = 0;                                        ///< frame against model, where it tells something
 };
+
+/// What each cluster of a frame's pixels does to its position, i_c = N^-1 s_c with s_c the sum of w J r over
+/// it, px. The position's error is their sum; where clusters err independently its covariance is the sum over
+/// them of i_c i_c^T [Liang and Zeger, Biometrika 73 (1986) 13], whatever the weights are.
+using ClusterPulls = std::vector<Eigen::Vector2f>;
 
 class LayeredRegistration {
  public:

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "vision/recordings.h"
-#include "vision/tracking/gate_lamp.h"
+#include "vision/tracking/first_pass.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -1,4 +1,5 @@
 #include "vision/layers/registration/registration.h"
+#include "vision/layers/measuring.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "vision/layers/registration/scatter.h"
+#include "vision/layers/measuring.h"
 
 #include <gtest/gtest.h>
 
