@@ -14,7 +14,6 @@
 #include "fit/design/next_experiment.h"
 #include "fit/minimum/multi_start.h"
 #include "fit/report/fill_result.h"
-#include "fit/residuals/sticking.h"
 #include "fit/slides/between_slides.h"
 #include "fit/slides/one_by_one.h"
 #include "fit/tools/parameter_text.h"
@@ -299,7 +298,7 @@ void Estimation::quantify_uncertainty() {
   evaluate_curvature(minimum_);
   find_other_minima();
   t_ = quantiles();
-  if (!options_.profiles || options_.loss != Loss::squares || stuck_throughout(problem_)) return;
+  if (!options_.profiles || options_.loss != Loss::squares || problem_.stuck_throughout()) return;
   std::vector<double> rises;
   for (const double t : t_) rises.push_back(t * t);
   const double found = best_.chi2;

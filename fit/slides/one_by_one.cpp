@@ -9,7 +9,6 @@
 #include "fit/residuals/free_slide.h"
 #include "fit/slides/blows.h"
 #include "fit/slides/shown_errors.h"
-#include "fit/slides/slide_spin.h"
 #include "fit/tools/thresholds.h"
 #include "fit/tools/track_part.h"
 #include "model/parallel.h"
