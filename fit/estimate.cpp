@@ -24,8 +24,6 @@
 #include "fit/uncertainty/identifiability.h"
 #include "fit/uncertainty/profile.h"
 #include "fit/variances/excess_variance.h"
-#include "fit/variances/reweighted_fit.h"
-#include "fit/variances/robust.h"
 
 namespace tribotrack::fit {
 namespace {

@@ -14,8 +14,7 @@
 #include "fit/tools/track_errors.h"
 #include "fit/uncertainty/covariance.h"
 #include "fit/uncertainty/identifiability.h"
-#include "fit/variances/reweighted_fit.h"
-#include "fit/variances/robust.h"
+#include "fit/variances/excess_variance.h"
 #include "model/alpha_v.h"
 #include "model/trajectory.h"
 
