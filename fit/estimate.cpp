@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "fit/checks/explanations.h"
-#include "fit/checks/outliers.h"
+#include "fit/checks/runs.h"
 #include "fit/checks/quoted.h"
 #include "fit/checks/verdict.h"
 #include "fit/design/next_experiment.h"
