@@ -9,7 +9,6 @@
 
 #include "fit/checks/explanations.h"
 #include "fit/checks/runs.h"
-#include "fit/checks/quoted.h"
 #include "fit/checks/verdict.h"
 #include "fit/design/next_experiment.h"
 #include "fit/minimum/multi_start.h"

@@ -10,7 +10,7 @@
 #include "fit/slides/blows.h"
 #include "fit/slides/one_by_one.h"
 #include "fit/tools/statistics.h"
-#include "fit/tools/track_part.h"
+#include "fit/tools/track_errors.h"
 
 namespace tribotrack::fit {
 namespace {

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "fit/rounding.h"
-#include "fit/slides/shown_errors.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
