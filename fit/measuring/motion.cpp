@@ -38,10 +38,10 @@ struct Noise {
 };
 
 Noise noise_of(const TrackTable& track) {
-  double variance = 0, slow = 0;
+  const double slow = slow_variance(track, 0);
+  double variance = 0;
   for (const Eigen::Matrix2d& covariance : track.covariance)
     variance += 0.5 * covariance.trace() / static_cast<double>(track.covariance.size());
-  for (const SlowError& error : track.slow) slow += error.sd * error.sd;
   return {std::sqrt(std::max(0.0, variance - slow)), std::sqrt(std::min(slow, variance))};
 }
 

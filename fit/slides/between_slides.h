@@ -21,12 +21,12 @@
 namespace tribotrack::fit::internal {
 
 struct BetweenSlides {
-  double mean = 0, sd_of_mean = 0;
+  double mean = 0;
   double sd = 0;           ///< tau
   double chi2 = 0;         ///< sum ((mu_i - mean)/s_i)^2 about the mean with weights 1/s_i^2
   int dof = 0;             ///< n - 1
   double p_value = 1;      ///< of chi2: do they differ by chance?
-  double information = 0;  ///< sum of weights 1/(s_i^2 + tau^2)
+  double information = 0;  ///< sum of weights 1/(s_i^2 + tau^2): 1/sd^2 of the mean
 };
 
 /// Of at least one estimate with sd > 0.

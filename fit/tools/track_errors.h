@@ -20,6 +20,9 @@ struct PointErrors {
   double slow = 1;      ///< a
 };
 
+/// Of all slow errors, m^2 per axis: the covariance of two times so many seconds apart.
+double slow_variance(const TrackTable& track, double apart);
+
 PointErrors point_errors(const TrackTable& track, std::size_t point);
 
 /// Points and their weights in a sum.
