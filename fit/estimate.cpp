@@ -8,13 +8,11 @@
 #include <utility>
 
 #include "fit/checks/explanations.h"
-#include "fit/checks/outliers.h"
-#include "fit/checks/quoted.h"
+#include "fit/checks/runs.h"
 #include "fit/checks/verdict.h"
 #include "fit/design/next_experiment.h"
 #include "fit/minimum/multi_start.h"
 #include "fit/report/fill_result.h"
-#include "fit/residuals/sticking.h"
 #include "fit/slides/between_slides.h"
 #include "fit/slides/one_by_one.h"
 #include "fit/tools/parameter_text.h"
@@ -25,8 +23,6 @@
 #include "fit/uncertainty/identifiability.h"
 #include "fit/uncertainty/profile.h"
 #include "fit/variances/excess_variance.h"
-#include "fit/variances/reweighted_fit.h"
-#include "fit/variances/robust.h"
 
 namespace tribotrack::fit {
 namespace {
@@ -300,7 +296,7 @@ void Estimation::quantify_uncertainty() {
   evaluate_curvature(minimum_);
   find_other_minima();
   t_ = quantiles();
-  if (!options_.profiles || options_.loss != Loss::squares || stuck_throughout(problem_)) return;
+  if (!options_.profiles || options_.loss != Loss::squares || problem_.stuck_throughout()) return;
   std::vector<double> rises;
   for (const double t : t_) rises.push_back(t * t);
   const double found = best_.chi2;

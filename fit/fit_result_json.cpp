@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/checks/runs_test.h"
+#include "fit/checks/runs.h"
 #include "fit/checks/verdict.h"
 #include "fit/report/json_fields.h"
 #include "fit/tools/parameter_text.h"

@@ -175,6 +175,9 @@ struct Problem {
   /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, data that are not
   /// numbers. Fewer data than unknowns are no error: the result then states what can be determined.
   void validate() const;
+  /// Where no driven run moved beyond its error (chi^2 of the displacement with 99.9 %): the bound on mu that
+  /// follows and the remedy, as a sentence. nullopt where something moved, or where nothing was driven.
+  std::optional<std::string> stuck_throughout() const;
   /// Numbers measured or known beforehand, and unknowns to be found from them.
   std::pair<std::size_t, std::size_t> data_and_unknowns() const;
 };

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "fit/checks/run_scatter.h"
+#include "fit/checks/runs.h"
 #include "fit/minimum/multi_start.h"
 #include "fit/tools/dense.h"
 #include "fit/tools/thresholds.h"

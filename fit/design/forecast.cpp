@@ -120,7 +120,7 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
   const auto& scatter = residuals_.excess_variance().trajectories[*track_];
   const double white = 0.5 * point_errors(like.track, 0).own.trace() + std::pow(scatter.between_points, 2);
   double all = white * scatter.correlation_time * static_cast<double>(n) / static_cast<double>(seen);
-  for (const SlowError& slow : like.track.slow) all += slow.sd * slow.sd;
+  all += slow_variance(like.track, 0);
   TrajectoryRun run;
   run.scenario = scenario;
   run.track.slow = like.track.slow;

@@ -4,20 +4,64 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "fit/measurement.h"
-#include "fit/measuring/local_polynomial.h"
 #include "fit/tools/angles.h"
 #include "fit/tools/dense.h"
+#include "fit/tools/track_errors.h"
 #include "model/alpha_v.h"
 
 namespace tribotrack::fit {
 namespace {
 
 using internal::covariance_of_sum;
-using internal::LocalPolynomial;
 using internal::WeightedPoints;
+
+/// Value and slope at a time, as sums of points, of the polynomial through those nearest to it (Lagrange's
+/// form: so their noise is known).
+struct LocalPolynomial {
+  WeightedPoints value, slope;
+};
+
+/// Through `points` neighbours of `time`, as many before as after where the track allows, but for `left_out`.
+LocalPolynomial polynomial_at(const std::vector<double>& times, double time, std::size_t points,
+                              std::optional<std::size_t> left_out = std::nullopt) {
+  // Grow to both sides in turn; at the track's ends to the side that is left.
+  std::size_t below =
+      static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time) - times.begin());
+  std::size_t above = below;  // [below, above) is taken
+  std::vector<std::size_t> taken;
+  bool to_left = true;
+  while (taken.size() < points && (below > 0 || above < times.size())) {
+    const bool left = (to_left && below > 0) || above == times.size();
+    const std::size_t next = left ? --below : above++;
+    if (next == left_out) continue;
+    taken.push_back(next);
+    to_left = !left;
+  }
+  std::sort(taken.begin(), taken.end());
+  LocalPolynomial polynomial;
+  for (const std::size_t k : taken) {
+    double weight = 1, slope = 0;
+    for (const std::size_t j : taken) {
+      if (j == k) continue;
+      const double width = times[k] - times[j];
+      slope = slope * (time - times[j]) / width + weight / width;
+      weight *= (time - times[j]) / width;
+    }
+    polynomial.value.emplace_back(k, weight);
+    polynomial.slope.emplace_back(k, slope);
+  }
+  return polynomial;
+}
+
+Eigen::Vector2d sum_of(const WeightedPoints& points, const std::vector<Eigen::Vector2d>& positions) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const auto& [point, weight] : points) sum += weight * positions[point];
+  return sum;
+}
 
 void check(const TrackTable& track, const Estimate& w, int cycles) {
   const std::size_t points = track.time.size();
@@ -70,11 +114,10 @@ LeaveOneOut leave_one_out(const TrackTable& track, const std::vector<std::size_t
   LeaveOneOut result;
   double weights = 0;
   for (const std::size_t i : frames) {
-    const LocalPolynomial around(track.time, track.time[i], points, i);
-    const Eigen::Vector2d difference = around.value(track.position) - track.position[i];
-    WeightedPoints points_of_difference = around.points();
-    points_of_difference.emplace_back(i, -1);
-    const Eigen::Matrix2d noise = covariance_of_sum(track, points_of_difference);
+    WeightedPoints off = polynomial_at(track.time, track.time[i], points, i).value;
+    off.emplace_back(i, -1);
+    const Eigen::Vector2d difference = sum_of(off, track.position);
+    const Eigen::Matrix2d noise = covariance_of_sum(track, off);
     const double own_product = (track.time[i] - track.time[i - 1]) * (track.time[i + 1] - track.time[i]);
     const double factor = product / own_product;
     result.mean_square += factor * factor * (difference * difference.transpose() - noise);
@@ -102,9 +145,9 @@ Interpolated interpolate(const TrackTable& track, double time, double w, std::si
     best = tried;
     best_points = points;
   }
-  const LocalPolynomial here(track.time, time, best_points);
-  const LocalPolynomial slope(track.time, time, std::min<std::size_t>(4, track.time.size()));
-  return {here.value(track.position), slope.derivative(track.position), here.points(), best.mean_square};
+  const WeightedPoints here = polynomial_at(track.time, time, best_points).value;
+  const LocalPolynomial four = polynomial_at(track.time, time, std::min<std::size_t>(4, track.time.size()));
+  return {sum_of(here, track.position), sum_of(four.slope, track.position), here, best.mean_square};
 }
 
 [[noreturn]] void refuse_short(double span, double period, double w) {

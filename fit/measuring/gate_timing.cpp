@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
-#include "fit/measuring/edge_likelihood.h"
 #include "fit/tools/angles.h"
 #include "fit/tools/statistics.h"
 #include "model/alpha_v.h"
@@ -15,6 +15,166 @@ namespace {
 
 using internal::into_circle;
 using internal::turn;
+
+// The likelihood of one edge, from frames that were lit before and dark after it or the reverse.
+
+/// One frame near an edge, in phases relative to a first guess of the edge. With the edge at or below `low`
+/// the frame's mean level is `level_below`, at or above `high` it is `level_above`, linear between.
+struct EdgeFrame {
+  double low = 0, high = 0;  ///< rad
+  double level = 0;
+  double level_below = 0, level_above = 0;
+  double sigma_below = 1, sigma_above = 1;  ///< of the level
+  /// Brightness between the two levels shows only that the edge is inside (a saturated lamp, an unknown
+  /// exposure).
+  bool only_inside = false;
+};
+
+struct EdgeEstimate {
+  Estimate edge;      ///< rad, relative to the guess
+  double jitter = 0;  ///< rad rms
+};
+
+constexpr double kStray = 1e-4;    ///< probability that a frame means nothing
+constexpr double kJitterGain = 3;  ///< log-likelihood that a jitter has to be worth
+
+double density(double x, double mean, double sigma) {
+  const double z = (x - mean) / sigma;
+  return std::exp(-0.5 * z * z) / (sigma * std::sqrt(2 * std::numbers::pi));
+}
+
+/// P(a < N(0, 1) < b), a <= b.
+double between(double a, double b) {
+  if (a > 0) return between(-b, -a);  // the smaller tails keep their digits
+  return 0.5 * (std::erfc(-b / std::numbers::sqrt2) - std::erfc(-a / std::numbers::sqrt2));
+}
+
+/// Likelihood of one frame's level for a mean edge e that jitters by tau: the frame's own likelihood L(e'),
+/// constant, then a piece that is normal in e', then constant, convolved with N(e' - e; tau).
+double frame_likelihood(const EdgeFrame& f, double e, double tau) {
+  const double contrast = std::abs(f.level_above - f.level_below);
+  const double below = density(f.level, f.level_below, f.sigma_below);
+  const double above = density(f.level, f.level_above, f.sigma_above);
+  const double width = f.high - f.low;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const auto share_within = [&](double from, double to) {
+    if (tau > 0) return between((from - e) / tau, (to - e) / tau);
+    return e >= from && e < to ? 1.0 : 0.0;
+  };
+  double sum = below * share_within(-infinity, f.low) + above * share_within(f.high, infinity);
+  if (width > 0) {
+    if (f.only_inside) {
+      sum += share_within(f.low, f.high) / contrast;
+    } else {
+      // Level = level_below + slope (e' - low): the normal density of the level is one of e' about `centre`.
+      const double slope = (f.level_above - f.level_below) / width;
+      const double share = std::clamp((f.level - f.level_below) / (f.level_above - f.level_below), 0.0, 1.0);
+      const double sigma =
+          std::sqrt((1 - share) * f.sigma_below * f.sigma_below + share * f.sigma_above * f.sigma_above);
+      const double centre = f.low + (f.level - f.level_below) / slope;
+      const double spread = sigma / std::abs(slope);
+      if (tau > 0) {
+        const double both = std::hypot(spread, tau);
+        const double middle = (centre * tau * tau + e * spread * spread) / (both * both);
+        const double narrow = spread * tau / both;
+        sum += density(e, centre, both) / std::abs(slope) *
+               between((f.low - middle) / narrow, (f.high - middle) / narrow);
+      } else if (e >= f.low && e < f.high) {
+        sum += density(e, centre, spread) / std::abs(slope);
+      }
+    }
+  }
+  return (1 - kStray) * sum + kStray / contrast;
+}
+
+/// The log-likelihood over a range of edges: frames that contribute the same to all of it are summed once.
+class LogLikelihood {
+ public:
+  LogLikelihood(const std::vector<EdgeFrame>& frames, double from, double to, double tau) : tau_(tau) {
+    const double margin = 9 * tau;
+    for (const EdgeFrame& f : frames) {
+      if (f.high < from - margin)
+        common_ += std::log(frame_likelihood(f, to + margin, 0));
+      else if (f.low > to + margin)
+        common_ += std::log(frame_likelihood(f, from - margin, 0));
+      else
+        frames_.push_back(f);
+    }
+  }
+  double operator()(double edge) const {
+    double sum = common_;
+    for (const EdgeFrame& f : frames_) sum += std::log(frame_likelihood(f, edge, tau_));
+    return sum;
+  }
+
+ private:
+  std::vector<EdgeFrame> frames_;
+  double tau_;
+  double common_ = 0;
+};
+
+struct Moments {
+  Estimate edge;
+  double log_evidence = 0;
+};
+
+/// Mean and sd within `reach` of `centre`, by the midpoint rule in a window that closes about what is likely.
+/// As long as its cells are wider than that they are looked at through a blur of their width.
+Moments integrate(const std::vector<EdgeFrame>& frames, double centre, double reach, double tau) {
+  constexpr int kRough = 100, kFine = 400, kMostRounds = 12;
+  constexpr double kWindow = 7, kWide = 0.5;  // sd to either side; of a window that need not close further
+  const auto moments = [&](int points, bool blurred) {
+    const double cell = 2 * reach / points, from = centre - reach;
+    const LogLikelihood likelihood(frames, from, centre + reach, blurred ? std::max(tau, cell) : tau);
+    std::vector<double> log_values;
+    for (int k = 0; k < points; ++k) log_values.push_back(likelihood(from + cell * (k + 0.5)));
+    const double most = *std::max_element(log_values.begin(), log_values.end());
+    double weight = 0, first = 0, second = 0;
+    for (int k = 0; k < points; ++k) {
+      const double p = std::exp(log_values[static_cast<std::size_t>(k)] - most),
+                   at = cell * (k + 0.5) - reach;
+      weight += p;
+      first += p * at;
+      second += p * at * at;
+    }
+    const double mean = first / weight;
+    // Each point stands for its cell: its width belongs to the sum.
+    const double variance = std::max(0.0, second / weight - mean * mean) + cell * cell / 12;
+    return Moments{{centre + mean, std::sqrt(variance)}, most + std::log(weight * cell)};
+  };
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Estimate found = moments(kRough, true).edge;
+    if (kWindow * found.sd > kWide * reach) break;
+    centre = found.value;
+    reach = kWindow * found.sd;
+  }
+  return moments(kFine, false);
+}
+
+/// Mean and standard deviation of the edge under a flat prior, by quadrature. `reach`: the edge lies within
+/// +- reach of the guess, rad. `resolution`: a jitter or spacing below this does not matter, rad.
+EdgeEstimate estimate_edge(const std::vector<EdgeFrame>& frames, double reach, double resolution) {
+  const Moments still = integrate(frames, 0, reach, 0);
+
+  // Jitter, where it is worth its while.
+  EdgeEstimate best{still.edge, 0};
+  double best_evidence = still.log_evidence + kJitterGain;
+  double most = still.log_evidence;
+  const auto attempt = [&](double tau) {
+    const Moments moved = integrate(frames, 0, reach, tau);
+    if (moved.log_evidence > best_evidence) {
+      best_evidence = moved.log_evidence;
+      best = {moved.edge, tau};
+    }
+    most = std::max(most, moved.log_evidence);
+    return moved.log_evidence > most - 25;
+  };
+  for (double tau = 2 * resolution; tau < 0.5 * reach && attempt(tau); tau *= 2) {
+  }
+  if (const double tau = best.jitter; tau > 0)
+    for (const double factor : {0.6, 0.77, 1.3, 1.6}) attempt(tau * factor);
+  return best;
+}
 
 constexpr double kRounding = 0.29;  ///< levels: sd of whole levels, where no noise dithers them
 
@@ -104,17 +264,17 @@ Levels levels_of(const LampRecord& lamp, const std::vector<double>& phase, const
 }
 
 /// The frames that contain information on one edge, relative to `edge`.
-std::vector<internal::EdgeFrame> frames_about(double edge, bool opening, double reach, double half_exposure,
-                                              double half_interval, const LampRecord& lamp,
-                                              const std::vector<double>& phase, const Levels& levels) {
-  std::vector<internal::EdgeFrame> frames;
+std::vector<EdgeFrame> frames_about(double edge, bool opening, double reach, double half_exposure,
+                                    double half_interval, const LampRecord& lamp,
+                                    const std::vector<double>& phase, const Levels& levels) {
+  std::vector<EdgeFrame> frames;
   // With the opening edge below the frame the lamp is on; with the closing edge below it, off.
   const Plateau& below = opening ? levels.on : levels.off;
   const Plateau& above = opening ? levels.off : levels.on;
   for (std::size_t i = 0; i < phase.size(); ++i) {
     const double at = model::wrap_angle(phase[i] - edge);
     if (std::abs(at) > reach) continue;
-    internal::EdgeFrame f;
+    EdgeFrame f;
     f.level = lamp.level[i];
     f.level_below = below.level;
     f.level_above = above.level;
@@ -152,7 +312,7 @@ Edge edge_of(double guess, bool opening, double reach, double half_exposure, dou
   const double sigma = std::max(levels.off.sigma, levels.on.sigma) / levels.contrast();
   const double resolution = std::max(1e-7, 0.5 * sigma * std::max(2 * half_exposure, 1e-4) /
                                                std::sqrt(static_cast<double>(frames.size() + 1)));
-  const internal::EdgeEstimate found = internal::estimate_edge(frames, reach, std::min(resolution, 1e-3));
+  const EdgeEstimate found = estimate_edge(frames, reach, std::min(resolution, 1e-3));
   Edge edge;
   edge.phase = {guess + found.edge.value, found.edge.sd};
   edge.jitter = found.jitter;

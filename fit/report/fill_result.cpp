@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "fit/minimum/multi_start.h"
-#include "fit/residuals/sticking.h"
 #include "fit/tools/dense.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
@@ -15,8 +14,7 @@
 #include "fit/tools/track_errors.h"
 #include "fit/uncertainty/covariance.h"
 #include "fit/uncertainty/identifiability.h"
-#include "fit/variances/reweighted_fit.h"
-#include "fit/variances/robust.h"
+#include "fit/variances/excess_variance.h"
 #include "model/alpha_v.h"
 #include "model/trajectory.h"
 
@@ -32,7 +30,7 @@ void fill_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
                      const std::vector<double>& t, FitResult& result) {
   const Eigen::Index n = unknowns.reported();
   auto flat = moved_by_flat_direction(uncertainty);
-  if (stuck_throughout(unknowns.problem())) flat.assign(flat.size(), true);  // noise mistaken for motion
+  if (unknowns.problem().stuck_throughout()) flat.assign(flat.size(), true);  // noise mistaken for motion
   result.covariance = uncertainty.covariance;
   result.correlation = Eigen::MatrixXd::Identity(n, n);
   result.parameters.clear();

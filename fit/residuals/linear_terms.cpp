@@ -66,16 +66,14 @@ void add_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Sum
 
 }  // namespace
 
-bool is_linear(const Unknowns& unknowns, Eigen::Index unknown) {
-  const FitParameter parameter = unknowns.parameter(unknown);
-  return unknown >= unknowns.reported() && parameter != FitParameter::start_phase &&
-         parameter != FitParameter::phase_reference && parameter != FitParameter::scale;
-}
-
 std::vector<Eigen::Index> linear_unknowns(const Unknowns& unknowns, bool linear) {
   std::vector<Eigen::Index> found;
-  for (Eigen::Index i = 0; i < unknowns.common(); ++i)
-    if (is_linear(unknowns, i) == linear) found.push_back(i);
+  for (Eigen::Index i = 0; i < unknowns.common(); ++i) {
+    const FitParameter parameter = unknowns.parameter(i);
+    const bool is_linear = i >= unknowns.reported() && parameter != FitParameter::start_phase &&
+                           parameter != FitParameter::phase_reference && parameter != FitParameter::scale;
+    if (is_linear == linear) found.push_back(i);
+  }
   return found;
 }
 

@@ -60,9 +60,7 @@ ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen
 
 /// What summary runs are linear in: the conditions, but for the phase at the start, which may be anything,
 /// and the scale: friction goes with it exactly where A was seen at it, and a line along it would be
-/// information.
-bool is_linear(const Unknowns& unknowns, Eigen::Index unknown);
-/// The shared unknowns that are, or are not.
+/// information. The shared unknowns that are, or are not.
 std::vector<Eigen::Index> linear_unknowns(const Unknowns& unknowns, bool linear);
 
 }  // namespace tribotrack::fit::internal

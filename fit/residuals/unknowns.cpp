@@ -105,7 +105,6 @@ Unknowns::Unknowns(const Problem& problem) : problem_(&problem), common_(problem
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
     const TrajectoryRun& run = problem.trajectory_runs[i];
     own_.push_back({size(), 0});
-    first_block_.push_back(nuisances_.size());
     if (!run.free_slide) {
       if (run.start_phase_sd > 0)
         add(Nuisance::phase, i, one(0), one(run.start_phase_sd), one(1 / run.start_phase_sd));
@@ -140,9 +139,7 @@ std::optional<Eigen::Index> Unknowns::find(FitParameter parameter) const {
 }
 
 std::span<const NuisanceBlock> Unknowns::nuisances(std::size_t run) const {
-  const std::size_t first = first_block_[run];
-  const std::size_t end = run + 1 < first_block_.size() ? first_block_[run + 1] : nuisances_.size();
-  return std::span(nuisances_).subspan(first, end - first);
+  return std::ranges::equal_range(nuisances_, run, {}, &NuisanceBlock::run);
 }
 
 const NuisanceBlock* Unknowns::find(Nuisance kind, std::size_t run) const {

@@ -117,8 +117,7 @@ class Unknowns {
   const Problem* problem_;
   std::vector<FitParameter> common_;
   std::vector<Transform> transforms_;
-  std::vector<NuisanceBlock> nuisances_;
-  std::vector<std::size_t> first_block_;  ///< of each trajectory run, in nuisances_
+  std::vector<NuisanceBlock> nuisances_;  ///< run by run
   std::vector<Range> own_;                ///< of each trajectory run
   std::optional<double> slide_mu_;        ///< first guess
   double amplitude_ = 0;  ///< A of the first driven run; fitted amplitudes are those of this run

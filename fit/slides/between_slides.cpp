@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "fit/rounding.h"
-#include "fit/slides/shown_errors.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
+#include "fit/tools/track_errors.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -47,7 +47,6 @@ BetweenSlides between_slides(const std::vector<Estimate>& slides) {
   result.sd = std::sqrt(variance);
   result.mean = mean.mean;
   result.information = mean.information;
-  result.sd_of_mean = 1 / std::sqrt(mean.information);
   return result;
 }
 
@@ -75,9 +74,7 @@ double mean_variance(const TrackTable& track) {
 /// Share of the track's variance that its own slow errors have in common at so many seconds.
 double told_correlation(const TrackTable& track, double apart) {
   const double variance = mean_variance(track);
-  double told = 0;
-  for (const SlowError& slow : track.slow) told += slow.sd * slow.sd * std::exp(-apart / slow.time);
-  return variance > 0 ? told / variance : 0;
+  return variance > 0 ? slow_variance(track, apart) / variance : 0;
 }
 
 }  // namespace

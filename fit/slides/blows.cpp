@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "fit/residuals/free_slide.h"
-#include "fit/slides/slide_spin.h"
 #include "fit/tools/dense.h"
 #include "fit/tools/statistics.h"
 #include "model/trajectory.h"

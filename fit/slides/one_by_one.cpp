@@ -7,11 +7,10 @@
 #include <map>
 
 #include "fit/residuals/free_slide.h"
+#include "fit/slides/between_slides.h"
 #include "fit/slides/blows.h"
-#include "fit/slides/shown_errors.h"
-#include "fit/slides/slide_spin.h"
 #include "fit/tools/thresholds.h"
-#include "fit/tools/track_part.h"
+#include "fit/tools/track_errors.h"
 #include "model/parallel.h"
 
 namespace tribotrack::fit::internal {

@@ -6,15 +6,11 @@
 #include "fit/tools/dense.h"
 
 namespace tribotrack::fit::internal {
-namespace {
-
 double slow_variance(const TrackTable& track, double apart) {
   double sum = 0;
   for (const SlowError& slow : track.slow) sum += slow.sd * slow.sd * std::exp(-apart / slow.time);
   return sum;
 }
-
-}  // namespace
 
 PointErrors point_errors(const TrackTable& track, std::size_t i) {
   PointErrors point{track.covariance[i]};

@@ -20,6 +20,9 @@ struct PointErrors {
   double slow = 1;      ///< a
 };
 
+/// Of all slow errors, m^2 per axis: the covariance of two times so many seconds apart.
+double slow_variance(const TrackTable& track, double apart);
+
 PointErrors point_errors(const TrackTable& track, std::size_t point);
 
 /// Points and their weights in a sum.
@@ -27,5 +30,24 @@ using WeightedPoints = std::vector<std::pair<std::size_t, double>>;
 
 /// Covariance of the sum of positions, m^2. A point may stand in it more than once.
 Eigen::Matrix2d covariance_of_sum(const TrackTable& track, const WeightedPoints& sum);
+
+/// The points [first, last).
+inline TrackTable part_of(const TrackTable& track, std::size_t first, std::size_t last) {
+  TrackTable part = track;
+  const auto keep = [&](auto& column) {
+    if (column.size() < last) return;
+    column.erase(column.begin() + static_cast<std::ptrdiff_t>(last), column.end());
+    column.erase(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(first));
+  };
+  keep(part.frame);
+  keep(part.time);
+  keep(part.position);
+  keep(part.covariance);
+  keep(part.angle);
+  keep(part.angle_sigma);
+  keep(part.marker);
+  keep(part.marker_sigma);
+  return part;
+}
 
 }  // namespace tribotrack::fit::internal

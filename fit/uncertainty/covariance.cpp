@@ -11,7 +11,7 @@
 #include "fit/tools/stage_progress.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
-#include "fit/variances/reweighted_fit.h"
+#include "fit/variances/excess_variance.h"
 #include "model/alpha_v.h"
 #include "model/parallel.h"
 

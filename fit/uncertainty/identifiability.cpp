@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/residuals/sticking.h"
 #include "fit/rounding.h"
 #include "fit/tools/parameter_text.h"
 
@@ -89,7 +88,7 @@ class Judge {
 
   /// True where nothing moved: then nothing else is worth checking.
   bool stuck() {
-    const auto bound = stuck_throughout(problem_);
+    const auto bound = problem_.stuck_throughout();
     if (bound) add(Verdict::not_identifiable, *bound);
     return bound.has_value();
   }

@@ -1,5 +1,5 @@
 // Correlated errors: whitening and restricted likelihood against dense matrices of all points.
-#include "fit/residuals/correlated_errors.h"
+#include "fit/residuals/track_whitening.h"
 #include "fit/tools/dense.h"
 
 #include <gtest/gtest.h>

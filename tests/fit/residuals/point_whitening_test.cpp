@@ -1,5 +1,5 @@
 // Whitening of white noise and slow errors against the dense covariance of all points.
-#include "fit/residuals/point_whitening.h"
+#include "fit/residuals/track_whitening.h"
 
 #include <gtest/gtest.h>
 

@@ -21,14 +21,14 @@ TEST(BetweenSlides, IsTheSampleSdWhereErrorsAreNegligible) {
   const BetweenSlides b = between_slides({{1, 1e-9}, {2, 1e-9}, {4, 1e-9}});
   EXPECT_NEAR(b.mean, 7.0 / 3, 1e-9);
   EXPECT_NEAR(b.sd, std::sqrt(7.0 / 3), 1e-8);
-  EXPECT_NEAR(b.sd_of_mean, std::sqrt(7.0 / 9), 1e-8);
+  EXPECT_NEAR(1 / std::sqrt(b.information), std::sqrt(7.0 / 9), 1e-8);
   EXPECT_EQ(b.dof, 2);
 }
 
 TEST(BetweenSlides, IsNothingWhereErrorsExplainAll) {
   const BetweenSlides b = between_slides({{1, 1}, {1.5, 1}, {0.7, 2}});
   EXPECT_EQ(b.sd, 0);
-  EXPECT_NEAR(b.sd_of_mean, 1 / std::sqrt(2.25), 1e-15);
+  EXPECT_NEAR(1 / std::sqrt(b.information), 1 / std::sqrt(2.25), 1e-15);
   EXPECT_GT(b.p_value, 0.5);
 }
 
@@ -62,7 +62,7 @@ TEST(BetweenSlides, IntervalsOfTheMeanHold) {
         slides.push_back({10 + scatter * normal(random) + sd * normal(random), sd});
       }
       const BetweenSlides b = between_slides(slides);
-      inside += std::abs(b.mean - 10) < internal::two_sided_quantile(0.95, b.dof) * b.sd_of_mean;
+      inside += std::abs(b.mean - 10) < internal::two_sided_quantile(0.95, b.dof) / std::sqrt(b.information);
     }
     EXPECT_GT(inside, 0.935 * kRounds) << scatter;
     EXPECT_LT(inside, (scatter > 2 ? 0.965 : 1.0) * kRounds) << scatter;
@@ -108,7 +108,7 @@ TEST(BetweenSlides, PooledMeanCountsTheScatter) {
   const BetweenSlides b = between_slides(one_by_one);
   const ParameterEstimate& mean = fit.parameters.front();
   EXPECT_NEAR(mean.estimate, b.mean, 1e-5);
-  EXPECT_NEAR(mean.sd, b.sd_of_mean, 0.01 * mean.sd);
+  EXPECT_NEAR(mean.sd, 1 / std::sqrt(b.information), 0.01 * mean.sd);
   EXPECT_NEAR(fit.between_slides.sd, 0.0213, 0.002);  // the sample's
   const double reach = internal::two_sided_quantile(0.95, 4) * mean.sd / mean.estimate;
   EXPECT_NEAR(std::log(mean.ci95.high / mean.estimate), reach, 1e-3);

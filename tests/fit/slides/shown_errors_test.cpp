@@ -1,4 +1,4 @@
-#include "fit/slides/shown_errors.h"
+#include "fit/slides/between_slides.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
-#include "fit/variances/robust.h"
+#include "fit/variances/excess_variance.h"
 
 namespace tribotrack::fit {
 namespace {

@@ -1,9 +1,12 @@
-#include "fit/checks/outliers.h"
+#include "fit/checks/runs.h"
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <numbers>
+#include <tuple>
+#include <vector>
 
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
@@ -104,6 +107,81 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
   // Where the rest does not hold either, the fault is not theirs alone.
   if (!(chi2_survival(best.chi2, dof) >= kSurprise)) found.clear();
   return found;
+}
+
+std::optional<RunScatter> run_scatter(const Eigen::VectorXd& residuals, const Eigen::VectorXd& by_mu) {
+  const Eigen::Index runs = residuals.size() / 2;
+  if (runs < 4) return std::nullopt;
+  const auto at = [&](double s) {
+    RunScatter sum{s, 0, 0};
+    for (Eigen::Index i = 0; i < runs; ++i) {
+      const auto r = residuals.segment<2>(2 * i), j = by_mu.segment<2>(2 * i);
+      const double seen = 1 + s * s * j.squaredNorm(), along = s * j.dot(r);
+      sum.fall += along * along / seen - std::log(seen);
+      sum.chi2 += r.squaredNorm() - along * along / seen;
+    }
+    return sum;
+  };
+  constexpr double kLeast = 1e-5, kMost = 1;
+  constexpr int kBits = 20;
+  const double best =
+      boost::math::tools::brent_find_minima([&](double log_s) { return -at(std::exp(log_s)).fall; },
+                                            std::log(kLeast), std::log(kMost), kBits)
+          .first;
+  const RunScatter found = at(std::exp(best));
+  return found.fall > 0 ? std::optional(found) : std::nullopt;
+}
+
+Problem with_run_scatter(Problem problem, double relative, double mu1, double mu2) {
+  for (SummaryRun& run : problem.summary_runs) {
+    run.own.add(model::Parameter::mu1, std::pow(relative * mu1, 2));
+    if (!(run.scenario.friction.pulse_width > 0)) continue;
+    run.own.add(model::Parameter::mu2, std::pow(relative * mu2, 2));
+    run.own.add(model::Parameter::mu1, model::Parameter::mu2, relative * relative * mu1 * mu2);
+  }
+  return problem;
+}
+
+namespace {
+
+/// P(no more than `seen` runs among `up` and `down` signs), normal approximation.
+double few_runs(int seen, double up, double down) {
+  if (up < 4 || down < 4) return 1;
+  const double n = up + down, mean = 1 + 2 * up * down / n;
+  const double variance = (mean - 1) * (mean - 2) / (n - 1);
+  return 0.5 * std::erfc(-(seen + 0.5 - mean) / std::sqrt(2 * variance));
+}
+
+}  // namespace
+
+double runs_test(const std::vector<RunResult>& runs) {
+  struct Row {
+    double width, phi, along, across;
+  };
+  std::vector<Row> rows;
+  for (const RunResult& run : runs) {
+    if (run.points > 0 || run.prediction || run.residuals.size() < 2) continue;
+    const Residual &x = run.residuals[0], &y = run.residuals[1];
+    const Eigen::Vector2d difference(x.measured - x.modelled, y.measured - y.modelled);
+    const Eigen::Vector2d along = Eigen::Vector2d(x.modelled, y.modelled).normalized();
+    const auto& friction = run.fitted.friction;
+    rows.push_back({friction.pulse_width, friction.phase, along.dot(difference),
+                    along.x() * difference.y() - along.y() * difference.x()});
+  }
+  if (rows.size() < 8) return 1;
+  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
+    return std::tie(a.width, a.phi) < std::tie(b.width, b.phi);
+  });
+  double smallest = 1;
+  for (double Row::*component : {&Row::along, &Row::across}) {
+    int changes = 1, up = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      up += rows[i].*component > 0;
+      if (i > 0 && (rows[i].*component > 0) != (rows[i - 1].*component > 0)) ++changes;
+    }
+    smallest = std::min(smallest, few_runs(changes, up, static_cast<double>(rows.size()) - up));
+  }
+  return std::min(1.0, 2 * smallest);  // of two components
 }
 
 }  // namespace tribotrack::fit::internal
