@@ -235,7 +235,6 @@ std::vector<Figure> trajectory_figures(const ReportData& data) {
   for (std::size_t i = 0; i < data.runs.size(); ++i)
     if (has_path(data.runs[i])) drawn.push_back(i);
   if (drawn.empty()) return {};
-  const bool many = drawn.size() > kMostInLegend;
   Values across, along;
   for (const std::size_t i : drawn) {
     across.insert(across.end(), data.runs[i].track.x_mm.begin(), data.runs[i].track.x_mm.end());
@@ -248,24 +247,22 @@ std::vector<Figure> trajectory_figures(const ReportData& data) {
   for (std::size_t k = 0; k < drawn.size(); ++k) {
     const ReportRun& run = data.runs[drawn[k]];
     const int colour = static_cast<int>(k);
-    const std::string name = many ? "" : run_label(data, drawn[k]);
     const DrawnPath path = thinned(run.track.x_mm, run.track.y_mm, most);
     panel.traces.push_back(
-        plot::line(name, path.x, path.y, {.colour = colour, .legend = !many, .small = true}));
+        plot::line(run_label(data, drawn[k]), path.x, path.y, {.colour = colour, .small = true}));
     if (!run.model_x_mm.empty()) {
       const DrawnPath model = thinned(run.model_x_mm, run.model_y_mm, most);
       panel.traces.push_back(
-          plot::line(many ? "model" : name, model.x, model.y,
-                     {.colour = plot::kInk, .legend = many && !modelled, .dashed = true, .small = true}));
+          plot::line("model", model.x, model.y,
+                     {.colour = plot::kInk, .legend = !modelled, .dashed = true, .small = true}));
       modelled = true;
     }
     if (!run.cycle_x_mm.empty()) {
       Notes notes;
       for (std::size_t c = 0; c < run.cycle_x_mm.size(); ++c)
         notes.push_back(fmt::format("{}, {} cycle{}", run_label(data, drawn[k]), c, c == 1 ? "" : "s"));
-      panel.traces.push_back(plot::points(many ? "whole cycles" : name, run.cycle_x_mm, run.cycle_y_mm,
-                                          {.colour = colour, .legend = many && !marked, .small = true},
-                                          notes));
+      panel.traces.push_back(plot::points("whole cycles", run.cycle_x_mm, run.cycle_y_mm,
+                                          {.colour = colour, .legend = !marked, .small = true}, notes));
       marked = true;
     }
   }
