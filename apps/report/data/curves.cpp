@@ -7,7 +7,6 @@
 #include <numbers>
 #include <optional>
 
-#include "fit/gate_timing.h"
 #include "fit/measurement.h"
 #include "fit/prediction.h"
 #include "model/trajectory.h"
@@ -199,16 +198,6 @@ void add_drawings(ReportRun& run) {
   motion.phase_shift.value = value("phase_shift_rad");
   motion.phase_at_zero.value = value("phase_at_zero_rad");
   run.platform = fit::picture_of(run.track.table, motion);
-  const bool lamp_gave_phi = std::isfinite(value("lamp_on_level")) && std::isfinite(value("phi_rad"));
-  if (!lamp_gave_phi || run.track.lamp.time.empty()) return;
-  const fit::PhaseClock clock{motion.angular_frequency.value, motion.phase_at_zero.value, 0};
-  fit::GateTiming gate;
-  gate.phi.value = value("phi_rad");
-  gate.dtau.value = value("dtau_rad");
-  gate.off_level = value("lamp_off_level");
-  gate.on_level = value("lamp_on_level");
-  run.lamp = fit::fold_lamp(run.track.lamp, clock, gate);
-  run.modelled_lamp = fit::modelled_lamp(run.track.lamp, clock, gate);
 }
 
 }  // namespace tribotrack::apps

@@ -44,9 +44,8 @@ inline constexpr long kMostPathSteps = 1'000'000;
 /// False where the motion takes more than `most_steps` steps to follow; then there is no model path.
 bool add_model_path(ReportRun& run, long most_steps = kMostPathSteps);
 
-/// Platform and lamp of a run as drawn: orbit, phase residual over time, brightness over phase; nothing where
-/// the platform was not seen to move. The lines drawn are the numbers of ReportRun::measured, not a new
-/// measurement.
+/// The platform of a run as drawn: orbit, phase residual over time; nothing where it was not seen to move.
+/// The line drawn is the numbers of ReportRun::measured, not a new measurement.
 void add_drawings(ReportRun& run);
 
 }  // namespace tribotrack::apps

@@ -9,7 +9,6 @@
 
 #include "apps/files/track_file.h"
 #include "fit/fit_result.h"
-#include "fit/gate_timing.h"
 #include "fit/measurement.h"
 
 namespace tribotrack::apps {
@@ -67,9 +66,8 @@ struct ReportRun {
   /// The model's path at the fitted parameters at the track's times, and where the part was after each whole
   /// cycle (add_model_path). Empty where there is no fit, or the path holds the platform's motion.
   std::vector<double> model_x_mm, model_y_mm, cycle_x_mm, cycle_y_mm;
-  /// Platform and lamp as seen and as measured (add_drawings); empty without a mark, without a lamp.
+  /// The platform as seen and as measured (add_drawings); empty without a mark.
   fit::PlatformPicture platform;
-  fit::FoldedLamp lamp, modelled_lamp;
 };
 
 /// Runs that differ in one of phi, dtau and share the other, with the model's curve through them.

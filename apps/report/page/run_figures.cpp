@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "apps/page/text.h"
 #include "apps/report/page/figures.h"
@@ -97,10 +96,6 @@ Json frames(const Values& x, const Values& y, bool legend) {
   return plot::points("frames", drawn.x, drawn.y, {.legend = legend, .small = true});
 }
 
-Json fitted(const Values& x, const Values& y, bool legend) {
-  return plot::line("fitted", x, y, {.colour = 1, .legend = legend});
-}
-
 std::vector<Figure> platform(const ReportData& data, std::size_t index) {
   const ReportRun& run = data.runs[index];
   if (run.platform.orbit.empty()) return {};
@@ -115,18 +110,14 @@ std::vector<Figure> platform(const ReportData& data, std::size_t index) {
   figure.panels = {{.x = plot::axis("ξ, mm"),
                     .y = plot::axis("η, mm"),
                     .traces = {frames(in_mm(run.platform.orbit, 0), in_mm(run.platform.orbit, 1), true),
-                               fitted(in_mm(run.platform.model, 0), in_mm(run.platform.model, 1), true)},
+                               plot::line("fitted", in_mm(run.platform.model, 0),
+                                          in_mm(run.platform.model, 1), {.colour = 1, .legend = true})},
                     .equal_scale = true},
                    {.x = plot::axis("time, s"),
                     .y = plot::with_zero_line(plot::axis("phase residual, mrad")),
                     .traces = {frames(run.track.table.time, left_mrad, false)}}};
-  if (!run.lamp.share.empty())
-    figure.panels.push_back({.x = plot::angle_axis("ωt, rad", 0, 2 * std::numbers::pi),
-                             .y = plot::axis("lit share", -0.1, 1.1),
-                             .traces = {frames(run.lamp.phase, run.lamp.share, false),
-                                        fitted(run.modelled_lamp.phase, run.modelled_lamp.share, false)}});
-  figure.columns = static_cast<int>(figure.panels.size());
-  figure.height = figure.columns == 3 ? 0.34 : 0.42;
+  figure.columns = 2;
+  figure.height = 0.42;
   figure.alternative =
       fmt::format("Orbit and phase residual of the platform in run {}.", run_label(data, index));
   return {figure};
