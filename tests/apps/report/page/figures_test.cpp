@@ -56,25 +56,6 @@ TEST(Dependence, ACurveRunningUpThrough2PiIsBrokenThere) {
   EXPECT_EQ(line.y[4], 0.3);
 }
 
-// No two neighbours of the drawn line are ever more than half a turn apart.
-TEST(Dependence, NoVerticalLineIsEverDrawn) {
-  std::vector<double> x, y;
-  for (int i = 0; i <= 500; ++i) {
-    x.push_back(0.05 * i);
-    y.push_back(sample::alpha_of(0.05 * i, 1));
-  }
-  const DrawnPath line = line_of(x, y);
-  int breaks = 0;
-  for (std::size_t i = 1; i < line.y.size(); ++i) {
-    breaks += std::isnan(line.y[i]);
-    if (!std::isnan(line.y[i]) && !std::isnan(line.y[i - 1])) {
-      EXPECT_LT(std::abs(line.y[i] - line.y[i - 1]), pi);
-      EXPECT_LE(line.x[i - 1], line.x[i]);
-    }
-  }
-  EXPECT_EQ(breaks, 4);  // 25 rad from 5.05: at 2, 4, 6 and 8 pi
-}
-
 TEST(Dependence, HoldsTheMeasuredPointsTheModelAndItsBand) {
   const ReportData data = sample::campaign();
   const std::vector<Figure> figures = dependence_figures(data);
