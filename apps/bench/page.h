@@ -23,7 +23,7 @@ std::vector<SummaryLine> summary_of(const BenchResults& results);
 /// In the order in which they are printed, without the summary.
 std::vector<Table> tables_of(const BenchResults& results);
 
-/// Of each comparison error against run time, a panel for each group of scenes; axes are settled.
+/// Of each comparison error against run time, a panel for each group of scenes.
 std::vector<apps::Figure> figures_of(const BenchResults& results);
 
 /// A self-contained HTML page.

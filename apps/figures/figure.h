@@ -64,6 +64,8 @@ Json line(const std::string& name, const Values& x, const Values& y, const Look&
 Json band(const std::string& name, const Values& x, const Values& low, const Values& high, const Look& look);
 /// Notes in ink, written at the points.
 Json labels(const Values& x, const Values& y, const Notes& notes);
+/// Labels a little beyond the ends of paths; those that end at the same place share one.
+Json end_numbers(const std::vector<Json>& paths, const Notes& numbers);
 
 /// x or y of a trace.
 Values values_of(const Json& trace, const char* key);

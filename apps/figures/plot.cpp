@@ -97,6 +97,34 @@ Json labels(const Values& x, const Values& y, const Notes& notes) {
   return json;
 }
 
+Json end_numbers(const std::vector<Json>& paths, const Notes& numbers) {
+  Range reach{HUGE_VAL, -HUGE_VAL};
+  for (const Json& path : paths)
+    for (const char* key : {"x", "y"}) reach = hull(reach, range_of(values_of(path, key)));
+  Values xs, ys;
+  Notes texts;
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    const Values x = values_of(paths[k], "x"), y = values_of(paths[k], "y");
+    std::size_t end = x.size();
+    while (end > 0 && !(std::isfinite(x[end - 1]) && std::isfinite(y[end - 1]))) --end;
+    if (end == 0) continue;
+    const double length = std::hypot(x[end - 1], y[end - 1]);
+    const double out = length > 0 ? 1 + 0.05 * reach.size() / length : 1;
+    std::size_t same = 0;
+    while (same < xs.size() &&
+           std::hypot(xs[same] - out * x[end - 1], ys[same] - out * y[end - 1]) > 0.03 * reach.size())
+      ++same;
+    if (same < xs.size()) {
+      texts[same] += ", " + numbers[k];
+      continue;
+    }
+    xs.push_back(out * x[end - 1]);
+    ys.push_back(out * y[end - 1]);
+    texts.push_back(numbers[k]);
+  }
+  return labels(xs, ys, texts);
+}
+
 Values values_of(const Json& trace, const char* key) {
   return trace.at(key).get<Values>();
 }

@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "apps/page/assets/embedded_assets.h"
-#include "apps/page/filling.h"
 #include "apps/page/text.h"
 #include "apps/text/number_text.h"
 

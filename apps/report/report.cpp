@@ -10,11 +10,9 @@
 
 #include "apps/page/page.h"
 #include "apps/page/text.h"
-#include "apps/report/data/collect.h"
-#include "apps/report/page/figures.h"
+#include "apps/report/data/data.h"
 #include "apps/report/page/page.h"
 #include "apps/report/tables/tables.h"
-#include "apps/report/tables/verdict.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -231,9 +229,9 @@ std::string first_screen(const ReportData& data, const std::vector<Figure>& figu
   return html + "</div>\n" + warning_box(data);
 }
 
-std::string page_of(const ReportData& data) {
+std::string page_of(const ReportData& data, std::vector<Figure> of_campaign) {
   Page page{.name = data.title, .title = data.title, .subtitle = subtitle_of(data)};
-  page.figures = campaign_figures(data);
+  page.figures = std::move(of_campaign);
   std::vector<std::vector<Figure>> of_runs;
   for (std::size_t i = 0; i < data.runs.size(); ++i) of_runs.push_back(run_figures(data, i));
 
@@ -252,8 +250,11 @@ std::string page_of(const ReportData& data) {
 
 Report report_of(const RunFolder& folder) {
   const ReportData data = collect(folder);
-  return {page_of(data),     runs_csv(data),         parameters_csv(data),
-          report_text(data), campaign_figures(data), data.missing};
+  std::vector<Figure> figures = campaign_figures(data);
+  Report report{"", runs_csv(data), parameters_csv(data), report_text(data), {}, data.missing};
+  for (const Figure& figure : figures) report.figures.push_back(figure.id);
+  report.page = page_of(data, std::move(figures));
+  return report;
 }
 
 }  // namespace tribotrack::apps

@@ -1,4 +1,4 @@
-#include "apps/report/data/collect.h"
+#include "apps/report/data/data.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,6 +12,7 @@
 
 #include "apps/campaign/compared_runs.h"
 #include "apps/program/errors.h"
+#include "apps/report/data/curves.h"
 #include "fit/fit_result_json.h"
 
 namespace tribotrack::apps {

@@ -7,9 +7,6 @@
 
 namespace tribotrack::apps {
 
-/// How many steps of the model (IntegrationSummary::steps) the curves of a report may take together: seconds.
-inline constexpr long kMostCurveSteps = 5'000'000;
-
 /// Groups data.runs and evaluates the model for each group: the scenario of its first run, at the fitted
 /// parameters, with one angle varied.
 /// A point that takes more than its share of `most_steps` is left out, and a warning says so: friction next

@@ -1,5 +1,5 @@
 // What a campaign's report shows: the fit's result, its runs with their tracks, and where all of it came
-// from. collect.h fills it, page/page.h turns it into HTML. NaN = no value.
+// from. page/page.h turns it into HTML. NaN = no value.
 #pragma once
 
 #include <limits>
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/files/run_folder.h"
 #include "apps/files/track_file.h"
 #include "fit/fit_result.h"
 #include "fit/measurement.h"
@@ -112,5 +113,18 @@ inline std::vector<fit::NextExperiment> ReportData::next_runs() const {
   if (fit.next_experiment) next.insert(next.begin(), *fit.next_experiment);
   return next;
 }
+
+/// How many steps of the model (IntegrationSummary::steps) the curves of a report may take together: seconds.
+inline constexpr long kMostCurveSteps = 5'000'000;
+
+/// From the folder that `run` has filled: reads fit.json, its meta file, the tracks and measurements. Throws
+/// InvalidInput naming the file and the key that is missing or wrong. `most_steps`: of the model, for its
+/// curves.
+ReportData collect(const RunFolder& folder, long most_steps = kMostCurveSteps);
+
+/// Sentences that differ in the run they name, and in numbers, as one each: "runs a, b: ..."; in the order of
+/// the first of each.
+std::vector<std::string> pooled_by_cause(const std::vector<std::string>& sentences,
+                                         const std::vector<ReportRun>& runs);
 
 }  // namespace tribotrack::apps

@@ -1,4 +1,4 @@
-#include "apps/report/page/figures.h"
+#include "apps/report/page/page.h"
 
 #include <fmt/format.h>
 
@@ -18,7 +18,6 @@ std::vector<Figure> campaign_figures(const ReportData& data) {
   for (const auto& part :
        {dependence_figures, trajectory_figures, residual_figures, parameter_figures, slide_figures})
     std::ranges::move(part(data), std::back_inserter(figures));
-  for (Figure& figure : figures) settle_axes(figure);
   return figures;
 }
 
@@ -98,19 +97,6 @@ Json alpha_axis(const std::vector<Json>& traces) {
   return plot::angle_axis("displacement angle α, rad", shown.low, shown.high);
 }
 
-/// From -`largest` to it, where the figure is not crowded with round numbers.
-Json residual_axis(double largest) {
-  const Json axis = plot::with_zero_line(plot::axis("residual, σ", -largest, largest));
-  if (largest >= 6) return axis;
-  Values ticks;
-  Notes texts;
-  for (int tick = largest < 4 ? -2 : -4; tick <= 4 && tick < largest; tick += 2) {
-    ticks.push_back(tick);
-    texts.push_back(tick < 0 ? fmt::format("−{}", -tick) : std::to_string(tick));
-  }
-  return plot::with_ticks(axis, ticks, texts);
-}
-
 Figure figure_of(const ReportData& data, const Dependence& which, const std::vector<ReportGroup>& groups) {
   Figure figure{.id = which.id, .title = which.title, .shared_x = true, .height = 0.86};
   if (*which.place) figure.title += fmt::format(" ({})", which.place);
@@ -155,7 +141,7 @@ Figure figure_of(const ReportData& data, const Dependence& which, const std::vec
   if (below.traces.empty()) {
     figure.panels = {main};
   } else {
-    below.y = residual_axis(largest);
+    below.y = plot::with_zero_line(plot::axis("residual, σ", -largest, largest));
     below.shapes = {plot::stripe(-2, 2)};
     main.x = plot::hidden(main.x);
     figure.panels = {main, below};

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "apps/page/text.h"
-#include "apps/report/page/figures.h"
+#include "apps/report/page/page.h"
 
 namespace tribotrack::apps {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/page/text.h"
-#include "apps/report/tables/verdict.h"
+#include "apps/report/tables/tables.h"
 
 namespace tribotrack::apps {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "apps/page/text.h"
-#include "apps/report/page/figures.h"
+#include "apps/report/page/page.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -128,7 +128,6 @@ std::vector<Figure> platform(const ReportData& data, std::size_t index) {
 std::vector<Figure> run_figures(const ReportData& data, std::size_t index) {
   std::vector<Figure> figures = over_time(data, index);
   for (const Figure& more : platform(data, index)) figures.push_back(more);
-  for (Figure& figure : figures) settle_axes(figure);
   return figures;
 }
 
@@ -193,32 +192,6 @@ bool has_path(const ReportRun& run) {
   return run.failure.empty() && !run.track.x_mm.empty() && !run.free_slide;
 }
 
-/// Numbers at the ends of the paths; those that end at the same place share one.
-Json end_labels(const ReportData& data, const std::vector<std::size_t>& drawn, double size) {
-  Values xs, ys;
-  Notes texts;
-  for (const std::size_t i : drawn) {
-    const Track& run = data.runs[i].track;
-    for (std::size_t k = run.x_mm.size(); k-- > 0;) {
-      if (!std::isfinite(run.x_mm[k]) || !std::isfinite(run.y_mm[k])) continue;
-      const double length = std::hypot(run.x_mm[k], run.y_mm[k]);
-      const double out = length > 0 ? 1 + 0.05 * size / length : 1;
-      const double x = out * run.x_mm[k], y = out * run.y_mm[k];
-      std::size_t same = 0;
-      while (same < xs.size() && std::hypot(xs[same] - x, ys[same] - y) > 0.03 * size) ++same;
-      if (same < xs.size()) {
-        texts[same] += fmt::format(", {}", i + 1);
-      } else {
-        xs.push_back(x);
-        ys.push_back(y);
-        texts.push_back(std::to_string(i + 1));
-      }
-      break;
-    }
-  }
-  return plot::labels(xs, ys, texts);
-}
-
 }  // namespace
 
 std::vector<Figure> trajectory_figures(const ReportData& data) {
@@ -234,13 +207,16 @@ std::vector<Figure> trajectory_figures(const ReportData& data) {
   const Range reach = hull(range_of(across), range_of(along));
   Panel panel{.x = plot::axis("x, mm"), .y = plot::axis("y, mm"), .equal_scale = true};
   bool modelled = false, marked = false;
+  std::vector<Json> paths;
+  Notes numbers;
   const std::size_t most = std::min(kMostOfPath, kMostOfAll / drawn.size());
   for (std::size_t k = 0; k < drawn.size(); ++k) {
     const ReportRun& run = data.runs[drawn[k]];
     const int colour = static_cast<int>(k);
     const DrawnPath path = thinned(run.track.x_mm, run.track.y_mm, most);
-    panel.traces.push_back(
-        plot::line(run_label(data, drawn[k]), path.x, path.y, {.colour = colour, .small = true}));
+    paths.push_back(plot::line(run_label(data, drawn[k]), path.x, path.y, {.colour = colour, .small = true}));
+    numbers.push_back(std::to_string(drawn[k] + 1));
+    panel.traces.push_back(paths.back());
     if (!run.model_x_mm.empty()) {
       const DrawnPath model = thinned(run.model_x_mm, run.model_y_mm, most);
       panel.traces.push_back(
@@ -257,7 +233,7 @@ std::vector<Figure> trajectory_figures(const ReportData& data) {
       marked = true;
     }
   }
-  if (drawn.size() <= 60) panel.traces.push_back(end_labels(data, drawn, reach.size()));
+  if (drawn.size() <= 60) panel.traces.push_back(plot::end_numbers(paths, numbers));
   Figure figure{.id = "trajectories", .title = "Trajectories of the part (paper, figure 11)"};
   figure.caption =
       "In millimetres from where each began, y up, both axes to the same scale. The numbers are those of the "

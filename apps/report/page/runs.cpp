@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "apps/page/text.h"
-#include "apps/report/data/collect.h"
+#include "apps/report/data/data.h"
 
 namespace tribotrack::apps {
 namespace {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "apps/page/text.h"
-#include "apps/report/tables/verdict.h"
 #include "apps/text/csv_table.h"
 #include "apps/text/number_text.h"
 

@@ -1,4 +1,4 @@
-#include "apps/report/tables/verdict.h"
+#include "apps/report/tables/tables.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "apps/report/page/figures.h"
+#include "apps/report/page/page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -109,7 +109,8 @@ Figure figure(const std::vector<Figure>& figures, const std::string& id) {
 }
 
 TEST(ReportFigures, EachHasItsAxesSettledAndAnAlternative) {
-  for (const Figure& f : campaign_figures(sample::campaign())) {
+  for (Figure f : campaign_figures(sample::campaign())) {
+    settle_axes(f);
     EXPECT_NE(f.alternative, "") << f.id;
     for (const Panel& panel : f.panels) {
       if (panel.traces.empty()) continue;

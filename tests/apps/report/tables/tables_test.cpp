@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "apps/program.h"
-#include "apps/report/tables/verdict.h"
 #include "apps/report_sample.h"
 #include "apps/text/number_text.h"
 
