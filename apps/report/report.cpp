@@ -90,9 +90,6 @@ std::string identifiability_text(const ReportData& data) {
   html += "</p>\n";
   const fit::Identifiability& judged = data.fit.identifiability;
   if (!judged.weak_directions.empty()) html += html_list(judged.weak_directions);
-  const std::vector<fit::NextExperiment> next = data.next_runs();
-  if (judged.verdict != fit::Verdict::identifiable && !next.empty())
-    html += "<p><b>Remedy:</b> " + sentence_html(next.front().sentence) + "</p>\n";
   constexpr std::size_t kMostMinima = 3;
   std::vector<std::string> other_minima;
   for (std::size_t k = 1; data.fit.dof > 0 && k < std::min(data.fit.minima.size(), 1 + kMostMinima); ++k)

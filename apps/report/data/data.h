@@ -59,10 +59,6 @@ struct ReportRun {
     return no_value;
   }
   double modelled(const char* observable) const { return residual(observable, &fit::Residual::modelled); }
-  std::size_t outlying_points() const {  ///< of a trajectory, beyond 6 sigma
-    const auto found = fitted.nuisance.find("outliers");
-    return found == fitted.nuisance.end() ? 0 : static_cast<std::size_t>(found->second);
-  }
 
   /// The model's path at the fitted parameters at the track's times, and where the part was after each whole
   /// cycle (add_model_path). Empty where there is no fit, or the path holds the platform's motion.

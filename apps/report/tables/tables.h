@@ -24,7 +24,7 @@ std::string report_text(const ReportData& data);
 // The report page's section on whether the model is right: HTML that reads the same without scripts and on
 // paper.
 
-/// Chi-squared, residuals, runs and points that contradict the others, the friction models
+/// Chi-squared, residuals, runs that contradict the others, the friction models
 /// compared, and the analyses that were not needed. Each only where there is something to show.
 PageSection check_section(const ReportData& data, const std::vector<Figure>& figures);
 

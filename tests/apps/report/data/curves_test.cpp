@@ -97,12 +97,6 @@ TEST(ReportGroups, OneGroupPerSharedAngleOrderedByTheVariedOne) {
   EXPECT_THAT(over_dtau[0].runs, ElementsAre(1, 2, 4));
 }
 
-TEST(ReportGroups, RepeatedRunsAloneMakeNoFigure) {
-  EXPECT_TRUE(groups_over(Over::phi, {run(1, 1), run(1, 1), run(1.01, 1)}).empty());
-  EXPECT_TRUE(groups_over(Over::dtau, {run(1, 1), run(1, 1.01)}).empty());
-  EXPECT_TRUE(groups_over(Over::phi, {}).empty());
-}
-
 TEST(ReportGroups, MeasuredAnglesThatScatterCountAsEqual) {
   const auto groups = groups_over(Over::phi, {run(0, 1.000), run(1, 1.004), run(2, 0.997)});
   ASSERT_EQ(groups.size(), 1u);
