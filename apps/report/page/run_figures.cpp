@@ -169,9 +169,9 @@ std::vector<Figure> slide_figures(const ReportData& data) {
                       .traces = {plot::points("", time, picked(left_um, places), {.small = true})}};
     Figure figure{.id = fmt::format("slide-{}", figures.size() + 1), .title = "Free slide " + run.name};
     figure.caption =
-        "Distance along the slide against time, with the law of friction at its own μ<sub>1</sub> (without "
+        "Distance along the slide against time, with the law of friction at its own μ₁ (without "
         "spin a "
-        "parabola, deceleration μ<sub>1</sub> g); below, measured minus fitted. " +
+        "parabola, deceleration μ₁ g); below, measured minus fitted. " +
         sentence_html(run.fitted.slide.sentence + own_sentence(data, run.name));
     figure.alternative =
         fmt::format("Free slide {}: distance against time and the residual below.", run.name);

@@ -135,7 +135,7 @@ std::string platform_numbers(const ReportRun& run) {
       parts.push_back(fmt::format("{} = {} {}", symbol, quoted_value(seen.value, seen.sd), unit));
   };
   add("A", "amplitude_mm", "mm");
-  add("A<sub>y</sub>", "amplitude_y_mm", "mm");
+  add("Ay", "amplitude_y_mm", "mm");
   add("ω", "angular_frequency_rad_s", "rad/s");
   add("ε", "phase_shift_rad", "rad");
   add("dω/dt", "angular_frequency_drift_rad_s2", "rad/s²");
