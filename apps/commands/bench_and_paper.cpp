@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 
-#include "apps/bench/fit.h"
+#include "apps/bench/comparison.h"
 #include "apps/bench/page.h"
 #include "apps/bench/vision.h"
 #include "apps/commands/command.h"

@@ -1,4 +1,4 @@
-#include "apps/bench/fit.h"
+#include "apps/bench/comparison.h"
 
 #include <gtest/gtest.h>
 

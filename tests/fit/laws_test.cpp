@@ -11,7 +11,7 @@
 #include <random>
 #include <ranges>
 
-#include "apps/bench/fit.h"
+#include "apps/bench/comparison.h"
 #include "fit/estimate.h"
 #include "fit/free_slides.h"
 #include "model/spinning_disc.h"
