@@ -73,15 +73,6 @@ TEST(Peers, MoreauJeanIsOfFirstOrderAndStopsAFreeSlide) {
   EXPECT_LT((result.position - path * Vector2d(0.6, 0.8)).norm(), 1e-5 * 0.5);
 }
 
-TEST(Peers, RefuseWhatTheyCannotStart) {
-  Scenario s = slipping();
-  s.start = Start::steady;
-  EXPECT_THROW(moreau_jean(s, 1e-4), std::invalid_argument);
-  s = slipping();
-  s.friction.nominal = -1;
-  EXPECT_THROW(paper_recipe(s), InvalidParameter);
-}
-
 /// What libraries find at a tight tolerance is held against the reference in extended precision, which shares
 /// nothing with them but eq. (5).
 TEST(PeersLibrary, ConvergeToTheReferenceAndGiveUpAfterMaxSteps) {

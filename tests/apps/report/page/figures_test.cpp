@@ -30,23 +30,15 @@ bool dashed(const Json& trace) {
   return trace.contains("line") && trace["line"].value("dash", "") == "dash";
 }
 
-ReportData with_curve(std::vector<double> x, std::vector<double> alpha) {
-  ReportData data = sample::campaign();
-  data.over_phi[0].curve_x_rad = std::move(x);
-  data.over_phi[0].curve_alpha_rad = std::move(alpha);
-  data.over_phi[0].curve_alpha_sd_rad.clear();
-  data.over_phi[0].curve_v_mm_s.assign(data.over_phi[0].curve_x_rad.size(), 1);
-  data.over_phi[0].curve_v_sd_mm_s.clear();
-  return data;
-}
-
-DrawnPath line_of(Values x, Values alpha) {
-  return path_of(first(dependence_figures(with_curve(std::move(x), std::move(alpha)))[0].panels[0], "lines"));
-}
-
 TEST(Dependence, ACurveRunningUpThrough2PiIsBrokenThere) {
   // 2 pi - 0.1 to 0.3: crosses 2 pi at a quarter of the step.
-  const DrawnPath line = line_of({0, 1}, {2 * pi - 0.1, 0.3});
+  ReportData data = sample::campaign();
+  ReportGroup& group = data.over_phi[0];
+  group.curve_x_rad = {0, 1};
+  group.curve_alpha_rad = {2 * pi - 0.1, 0.3};
+  group.curve_v_mm_s = {1, 1};
+  group.curve_alpha_sd_rad = group.curve_v_sd_mm_s = {};
+  const DrawnPath line = path_of(first(dependence_figures(data)[0].panels[0], "lines"));
   ASSERT_EQ(line.x.size(), 5u);
   EXPECT_NEAR(line.x[1], 0.25, 1e-12);
   EXPECT_EQ(line.y[1], 2 * pi);
