@@ -11,7 +11,6 @@
 namespace tribotrack::vision {
 namespace {
 
-
 /// The camera of the tests: the truth.
 struct TrueCamera {
   int width = 360, height = 270;
