@@ -65,13 +65,4 @@ struct GateMeasurement {
 /// exposure.
 GateMeasurement measure_gate(const LampRecord& lamp, const PhaseClock& clock);
 
-/// Brightness as a share of the lit lamp's, folded into one cycle: for plots.
-struct FoldedLamp {
-  std::vector<double> phase;  ///< rad in [0, 2 pi), ascending
-  std::vector<double> share;
-};
-FoldedLamp fold_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
-/// The same under the fitted edges and the exposure: a trapezoid.
-FoldedLamp modelled_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing);
-
 }  // namespace tribotrack::fit

@@ -12,7 +12,6 @@
 #include <unsupported/Eigen/NonLinearOptimization>
 #include <unsupported/Eigen/NumericalDiff>
 
-#include "apps/bench/fit.h"
 #include "apps/bench/peers.h"
 #include "apps/bench/timing.h"
 #include "fit/estimate.h"

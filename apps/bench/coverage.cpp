@@ -10,7 +10,6 @@
 #include <string>
 #include <utility>
 
-#include "apps/bench/campaigns.h"
 #include "apps/bench/peers.h"
 #include "fit/estimate.h"
 #include "model/parallel.h"

@@ -163,10 +163,7 @@ std::vector<Table> tables_of(const BenchResults& results) {
 
 std::vector<Figure> figures_of(const BenchResults& results) {
   std::vector<Figure> figures;
-  for (const Comparison& comparison : results.comparisons) {
-    figures.push_back(figure_of(comparison));
-    settle_axes(figures.back());
-  }
+  for (const Comparison& comparison : results.comparisons) figures.push_back(figure_of(comparison));
   return figures;
 }
 

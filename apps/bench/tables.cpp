@@ -1,4 +1,4 @@
-#include "apps/bench/tables.h"
+#include "apps/bench/page.h"
 
 #include <fmt/format.h>
 

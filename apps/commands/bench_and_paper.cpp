@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 
-#include "apps/bench/fit.h"
+#include "apps/bench/comparison.h"
 #include "apps/bench/page.h"
 #include "apps/bench/vision.h"
 #include "apps/commands/command.h"
@@ -94,8 +94,7 @@ void run_bench(const BenchOptions& asked, const Context& context) {
   const auto wanted = [&](const char* what) { return asked.what == "all" || asked.what == what; };
   if (wanted("model")) bench_of_model(asked, context, results);
   if (wanted("vision")) {
-    auto options = asked.quick ? bench::quick_vision_options() : bench::VisionBenchOptions();
-    options.whole.program = fs::read_symlink("/proc/self/exe");
+    const auto options = asked.quick ? bench::quick_vision_options() : bench::VisionBenchOptions();
     results.comparisons.push_back(measured("bench vision", options, context, bench::bench_vision));
   }
   if (wanted("fit")) {
@@ -125,14 +124,13 @@ void add_bench(CLI::App& app, Context& context) {
       .add_option(
           "WHAT", options->what,
           "model: integrators, the table of extremes, what omissions save (a minute); vision: trackers on "
-          "rendered recordings, beside the physical limit, and whole commands (half an hour); fit: ours "
+          "rendered recordings, beside the physical limit (half an hour); fit: ours "
           "beside descents with differences, and coverage (some minutes, on all cores); coverage: how often "
           "the intervals of simulated campaigns of ten designs hold; all")
       ->check([](const std::string& what) {
-        return what == "scale" ? "`bench scale` is no longer there: time commands on inputs of your own"
-               : what == "commands"
-                   ? "`bench commands` is no longer there: `bench vision` times whole commands"
-                   : "";
+        return what == "scale" || what == "commands"
+                   ? fmt::format("`bench {}` is no longer there: time commands on inputs of your own", what)
+                   : std::string();
       })
       ->check(one_of({"model", "vision", "fit", "coverage", "all"}))
       ->required();

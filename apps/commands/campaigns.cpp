@@ -1,19 +1,22 @@
 // tribotrack run: from a campaign's recordings to its report, every stage, resuming what is there.
 #include <fmt/format.h>
+#include <sys/wait.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "apps/campaign/fit_json.h"
 #include "apps/campaign/fit_stage.h"
 #include "apps/commands/command.h"
-#include "apps/figures/printed.h"
 #include "apps/files/run_folder.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/pipeline/campaign_runner.h"
 #include "apps/pipeline/fit_campaign.h"
 #include "apps/pipeline/manifest.h"
+#include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/report/report.h"
@@ -188,6 +191,66 @@ void add_fit(CLI::App& app, Context& context) {
 
 // tribotrack report: the page of a folder that `run` has filled.
 
+namespace {
+
+/// Runs the script as Debian's python3 does, with nothing of the user's settings, of the current folder or of
+/// the script's own: a json.py or matplotlibrc that lies there is not what it reads. What it says; its
+/// status, 127 where there is no python3.
+std::string run_script(const std::string& script, int& status) {
+  std::string quoted;
+  for (const char c : script) quoted += c == '\'' ? std::string("'\\''") : std::string{c};
+  const std::string command = fmt::format(
+      "d=$(mktemp -d) && cd \"$d\" && env -i HOME=\"$d\" MPLCONFIGDIR=\"$d\" LC_ALL=C.UTF-8 /usr/bin/python3 "
+      "-I -B "
+      "'{}' 2>&1; s=$?; rm -rf \"$d\"; exit $s",
+      quoted);
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  if (!pipe) throw InvalidInput("/usr/bin/python3 cannot be started");
+  std::string said;
+  for (int c; (c = std::fgetc(pipe)) != EOF;) said += static_cast<char>(c);
+  const int ended = ::pclose(pipe);
+  status = WIFEXITED(ended) ? WEXITSTATUS(ended) : 1;
+  return said;
+}
+
+/// The last line that says something.
+std::string last_line(const std::string& text) {
+  const auto end = text.find_last_not_of(" \n");
+  if (end == std::string::npos) return "the plotting program failed";
+  const auto begin = text.rfind('\n', end);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin);
+}
+
+/// What print_figures() may write into `folder`: figures.py, runs.csv, and each figure as NAME-84mm and
+/// NAME-174mm, .svg and .pdf: the widths of one and of two columns of a journal. A figure that has no runs to
+/// show is left out.
+std::vector<std::filesystem::path> printed_files(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files = {folder / "figures.py", folder / "runs.csv"};
+  for (const char* name : {"alpha-phi", "alpha-dtau", "v-phi", "v-dtau", "residuals"})
+    for (const char* ending : {"-84mm.svg", "-84mm.pdf", "-174mm.svg", "-174mm.pdf"})
+      files.push_back(folder / (std::string(name) + ending));
+  return files;
+}
+
+/// Writes table and script, which stays beside the figures, and runs the script. Throws InvalidInput with
+/// what to install where there is no python3 with matplotlib; table and script are then there all the same.
+void print_figures(const std::filesystem::path& folder, std::string_view runs_csv, std::string_view script) {
+  create_folder(folder);
+  const std::string path = std::filesystem::absolute(folder / "figures.py").string();
+  write_file(path, script);
+  write_file(folder / "runs.csv", runs_csv);
+  int status = 0;
+  const std::string said = run_script(path, status);
+  if (status == 0) return;
+  const bool missing = status == 127 || said.find("ModuleNotFoundError") != std::string::npos;
+  throw InvalidInput(fmt::format(
+      "{}: the figures were not drawn: {}; {} (table and script are there)", folder.string(), last_line(said),
+      missing ? fmt::format("install Debian's python3-matplotlib, then `python3 {}` draws them", path)
+              : fmt::format("`python3 {}` says more", path)));
+}
+
+}  // namespace
+
 void add_report(CLI::App& app, Context& context) {
   auto folder = std::make_shared<std::string>();
   auto output = std::make_shared<std::string>();
@@ -251,11 +314,9 @@ void add_report(CLI::App& app, Context& context) {
       say(context.quiet, *figures + ": figures written");
     }
     if (!*json) return;
-    Json ids = Json::array();
-    for (const Figure& figure : report.figures) ids.push_back(figure.id);
     print_text(text_of(Json{{"page", output->empty() ? Json() : Json(*output)},
                             {"figures_folder", figures->empty() ? Json() : Json(*figures)},
-                            {"figures", ids},
+                            {"figures", report.figures},
                             {"tables_folder", tables->empty() ? Json() : Json(*tables)},
                             {"missing", report.missing}}));
   });

@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "apps/page/assets/embedded_assets.h"
-#include "apps/page/filling.h"
 #include "apps/page/text.h"
 #include "apps/text/number_text.h"
 
@@ -162,14 +161,14 @@ std::string angle(double rad) {
 
 ParameterText parameter_text(const std::string& key) {
   static const std::map<std::string, ParameterText> known = {
-      {"mu1", {"μ<sub>1</sub>", "", "friction coefficient while the actuator is off"}},
-      {"mu2", {"μ<sub>2</sub>", "", "effective friction coefficient while the actuator is on"}},
+      {"mu1", {"μ₁", "", "friction coefficient while the actuator is off"}},
+      {"mu2", {"μ₂", "", "effective friction coefficient while the actuator is on"}},
       {"phase_lag_rad",
        {"lag", "rad",
         "how much later than commanded the friction changes, as an angle of the platform’s turn"}},
       {"delay_s", {"delay", "s", "how much later than commanded the friction changes, as a time"}},
       {"amplitude_mm", {"A", "mm", "amplitude of the platform’s motion"}},
-      {"amplitude_y_mm", {"A<sub>y</sub>", "mm", "amplitude of the platform’s motion along y"}},
+      {"amplitude_y_mm", {"Ay", "mm", "amplitude of the platform’s motion along y"}},
       {"angular_frequency_rad_s", {"ω", "rad/s", "angular frequency of the platform"}},
       {"phase_shift_rad", {"ε", "rad", "phase shift between the platform’s two axes"}},
       {"diameter_mm", {"diameter", "mm", "diameter of the part"}},
@@ -177,8 +176,8 @@ ParameterText parameter_text(const std::string& key) {
       {"gravity_m_s2", {"g", "m/s²", "acceleration of gravity"}},
       {"mm_per_px", {"scale", "mm/px", "millimetres per pixel"}},
       {"scale", {"scale", "", "factor on every measured length; 1 = as measured"}},
-      {"tilt_x_rad", {"tilt<sub>x</sub>", "rad", "slope of the platform towards +x"}},
-      {"tilt_y_rad", {"tilt<sub>y</sub>", "rad", "slope of the platform towards +y"}},
+      {"tilt_x_rad", {"tilt x", "rad", "slope of the platform towards +x"}},
+      {"tilt_y_rad", {"tilt y", "rad", "slope of the platform towards +y"}},
       {"phi_rad", {"φ", "rad", "phase of the pulse"}},
       {"dtau_rad", {"Δτ", "rad", "width of the pulse"}},
       {"xi_axis_rad", {"camera axis", "rad", "direction of the displacement at the sensor’s pulse"}},
@@ -186,16 +185,6 @@ ParameterText parameter_text(const std::string& key) {
   };
   const auto found = known.find(key);
   return found != known.end() ? found->second : ParameterText{escape_html(key), "", ""};
-}
-
-std::string plain_symbol(const std::string& key) {
-  static const std::map<std::string, std::string> known = {{"mu1", "μ₁"},
-                                                           {"mu2", "μ₂"},
-                                                           {"amplitude_y_mm", "Ay"},
-                                                           {"tilt_x_rad", "tilt x"},
-                                                           {"tilt_y_rad", "tilt y"}};
-  const auto found = known.find(key);
-  return found != known.end() ? found->second : parameter_text(key).symbol;
 }
 
 std::string base64(const std::vector<unsigned char>& bytes) {

@@ -50,7 +50,7 @@ std::string angle(double rad);
 
 /// A parameter as papers write it.
 struct ParameterText {
-  std::string symbol;   ///< HTML: "μ<sub>1</sub>"
+  std::string symbol;   ///< "μ₁"
   std::string unit;     ///< "" for a pure number
   std::string meaning;  ///< one line
 };
@@ -60,9 +60,6 @@ ParameterText parameter_text(const std::string& key);
 inline ParameterText parameter_text(fit::FitParameter parameter) {
   return parameter_text(std::string(fit::to_string(parameter)));
 }
-
-/// The symbol as plain text, for figures: "μ₁".
-std::string plain_symbol(const std::string& key);
 
 /// Base 64 (RFC 4648), for pictures inside the page.
 std::string base64(const std::vector<unsigned char>& bytes);

@@ -108,8 +108,6 @@ Json axis_of(const SweepAxis& swept) {
 
 // Figures 3, 4, 5 and 11: trajectories in millimetres, both axes to the same scale.
 
-constexpr double kLabelBeyondEnd = 0.06;  // of the panel's reach
-
 struct Path {
   Values time_s, x_mm, y_mm;
 };
@@ -129,26 +127,6 @@ Panel path_panel(const std::string& title) {
   return {.x = plot::axis("x, mm"), .y = plot::axis("y, mm"), .title = title, .equal_scale = true};
 }
 
-/// The numbers of the paths at their ends, a little further out.
-Json end_numbers(const std::vector<Json>& paths) {
-  Values all, xs, ys;
-  Notes numbers;
-  for (const Json& path : paths)
-    for (const char* key : {"x", "y"}) {
-      const Values values = plot::values_of(path, key);
-      all.insert(all.end(), values.begin(), values.end());
-    }
-  const double reach = range_of(all).size();
-  for (const Json& path : paths) {
-    const double x = path["x"].back(), y = path["y"].back(), length = std::hypot(x, y);
-    const double out = length > 0 ? 1 + kLabelBeyondEnd * reach / length : 1;
-    xs.push_back(out * x);
-    ys.push_back(out * y);
-    numbers.push_back(std::to_string(xs.size()));
-  }
-  return plot::labels(xs, ys, numbers);
-}
-
 /// A panel for each file, or for each value of its first axis of two.
 void add_paths(Figure& figure, const Notes& files) {
   for (const std::string& file : files) {
@@ -161,14 +139,16 @@ void add_paths(Figure& figure, const Notes& files) {
                               setting_text("dtau_rad", source.friction().pulse_width))
                 : setting_text(source.sweep.axes()[0].name(), source.sweep.value(first, 0));
       Panel panel = path_panel(fmt::format("{}: {}", static_cast<char>('a' + figure.panels.size()), setting));
+      Notes numbers;
       for (std::size_t k = 0; k < count; ++k) {
         const Path path = path_of(source, first + k);
+        numbers.push_back(std::to_string(k + 1));
         panel.traces.push_back(plot::line(
             fmt::format("({}) {}", k + 1, setting_text(source.last().name(), source.last().value(k))),
             path.x_mm, path.y_mm,
             {.colour = static_cast<int>(k), .legend = figure.panels.empty(), .small = true}));
       }
-      panel.traces.push_back(end_numbers(panel.traces));
+      panel.traces.push_back(plot::end_numbers(panel.traces, numbers));
       figure.panels.push_back(panel);
     }
     figure.caption = conditions_text(source, alone ? Notes{"phi_rad", "dtau_rad"} : Notes{}) + ".";
@@ -215,7 +195,7 @@ void add_displacement(Figure& figure, const Notes& files) {
     paths.traces.push_back(plot::line(name, path.x_mm, path.y_mm, {.colour = colour, .legend = true}));
     if (!pulsed) continue;
     const Eigen::Vector2d end{path.x_mm.back(), path.y_mm.back()}, before = -kClearOfCircle * end,
-                                                                   beyond = (1 + kLabelBeyondEnd) * end;
+                                                                   beyond = 1.06 * end;
     paths.traces.push_back(plot::line("covered distance", {0, end.x()}, {0, end.y()},
                                       {.colour = plot::kInk, .legend = true, .dashed = true}));
     paths.traces.push_back(plot::labels({before.x(), beyond.x()}, {before.y(), beyond.y()}, {"P₁", "P₂"}));

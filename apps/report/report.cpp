@@ -10,11 +10,9 @@
 
 #include "apps/page/page.h"
 #include "apps/page/text.h"
-#include "apps/report/data/collect.h"
-#include "apps/report/page/figures.h"
+#include "apps/report/data/data.h"
 #include "apps/report/page/page.h"
 #include "apps/report/tables/tables.h"
-#include "apps/report/tables/verdict.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -92,9 +90,6 @@ std::string identifiability_text(const ReportData& data) {
   html += "</p>\n";
   const fit::Identifiability& judged = data.fit.identifiability;
   if (!judged.weak_directions.empty()) html += html_list(judged.weak_directions);
-  const std::vector<fit::NextExperiment> next = data.next_runs();
-  if (judged.verdict != fit::Verdict::identifiable && !next.empty())
-    html += "<p><b>Remedy:</b> " + sentence_html(next.front().sentence) + "</p>\n";
   constexpr std::size_t kMostMinima = 3;
   std::vector<std::string> other_minima;
   for (std::size_t k = 1; data.fit.dof > 0 && k < std::min(data.fit.minima.size(), 1 + kMostMinima); ++k)
@@ -231,9 +226,9 @@ std::string first_screen(const ReportData& data, const std::vector<Figure>& figu
   return html + "</div>\n" + warning_box(data);
 }
 
-std::string page_of(const ReportData& data) {
+std::string page_of(const ReportData& data, std::vector<Figure> of_campaign) {
   Page page{.name = data.title, .title = data.title, .subtitle = subtitle_of(data)};
-  page.figures = campaign_figures(data);
+  page.figures = std::move(of_campaign);
   std::vector<std::vector<Figure>> of_runs;
   for (std::size_t i = 0; i < data.runs.size(); ++i) of_runs.push_back(run_figures(data, i));
 
@@ -252,8 +247,11 @@ std::string page_of(const ReportData& data) {
 
 Report report_of(const RunFolder& folder) {
   const ReportData data = collect(folder);
-  return {page_of(data),     runs_csv(data),         parameters_csv(data),
-          report_text(data), campaign_figures(data), data.missing};
+  std::vector<Figure> figures = campaign_figures(data);
+  Report report{"", runs_csv(data), parameters_csv(data), report_text(data), {}, data.missing};
+  for (const Figure& figure : figures) report.figures.push_back(figure.id);
+  report.page = page_of(data, std::move(figures));
+  return report;
 }
 
 }  // namespace tribotrack::apps

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/figures/figure.h"
 #include "apps/files/run_folder.h"
 
 namespace tribotrack::apps {
@@ -13,7 +12,7 @@ namespace tribotrack::apps {
 struct Report {
   std::string page;  ///< HTML
   std::string runs_csv, parameters_csv, text;
-  std::vector<Figure> figures;  ///< of the campaign, not of its single runs
+  std::vector<std::string> figures;  ///< of the campaign, not of its single runs: their ids
   std::vector<std::string>
       missing;  ///< what it does not show since the file is gone; stands on the page, too
 };

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "apps/page/assets/embedded_assets.h"
-#include "apps/page/filling.h"
+#include "apps/page/page.h"
 #include "apps/page/text.h"
 #include "apps/text/angle.h"
 #include "vision/overlay.h"

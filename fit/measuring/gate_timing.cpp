@@ -394,35 +394,4 @@ GateMeasurement measure_gate(const LampRecord& lamp, const PhaseClock& clock) {
   return {timing, ""};
 }
 
-FoldedLamp fold_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing) {
-  std::vector<std::pair<double, double>> folded;
-  for (std::size_t i = 0; i < lamp.time.size(); ++i)
-    folded.emplace_back(into_circle(clock.at(lamp.time[i])),
-                        (lamp.level[i] - timing.off_level) / (timing.on_level - timing.off_level));
-  std::sort(folded.begin(), folded.end());
-  FoldedLamp out;
-  for (const auto& [phase, share] : folded) {
-    out.phase.push_back(phase);
-    out.share.push_back(share);
-  }
-  return out;
-}
-
-FoldedLamp modelled_lamp(const LampRecord& lamp, const PhaseClock& clock, const GateTiming& timing) {
-  FoldedLamp out;
-  const double half = std::max(0.5 * clock.angular_frequency * lamp.exposure.value_or(0), 1e-6);
-  constexpr int points = 720;
-  for (int k = 0; k <= points; ++k) {
-    const double phase = turn * k / points;
-    double share = 0;
-    for (int n = -1; n <= 1; ++n) {
-      const double opening = timing.phi.value + n * turn, closing = opening + timing.dtau.value;
-      share += std::max(0.0, std::min(phase + half, closing) - std::max(phase - half, opening)) / (2 * half);
-    }
-    out.phase.push_back(phase);
-    out.share.push_back(share);
-  }
-  return out;
-}
-
 }  // namespace tribotrack::fit

@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "apps/chromium.h"
+#include "apps/program.h"
 
 namespace tribotrack::test {
 

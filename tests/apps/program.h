@@ -1,4 +1,4 @@
-// Runs the built program as its user would, and hands back what it said.
+// Runs the built program as its user would, and hands back what it said; other programs that tests run.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,11 +9,62 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "apps/program/errors.h"
+
+namespace tribotrack::test {
+
+inline std::string output_of(const std::string& command) {
+  std::string output;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) throw std::runtime_error("cannot run " + command);
+  char buffer[65536];
+  while (const std::size_t n = fread(buffer, 1, sizeof buffer, pipe)) output.append(buffer, n);
+  pclose(pipe);
+  return output;
+}
+
+/// The browser's program, or nullopt where none is installed.
+inline std::optional<std::string> chromium() {
+  std::string found =
+      output_of("command -v chromium || command -v chromium-browser || command -v google-chrome");
+  if (found.empty()) return std::nullopt;
+  return found.substr(0, found.find('\n'));
+}
+
+/// A folder of its own that goes with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "tribotrack-test-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline std::size_t occurrences(const std::string& text, const std::string& word) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + word.size()))
+    ++count;
+  return count;
+}
+
+}  // namespace tribotrack::test
 
 namespace tribotrack::apps {
 
@@ -71,15 +122,6 @@ inline std::string slides_campaign(const std::vector<std::string>& videos,
 /// A folder of its own for each test, gone afterwards; relative paths on command lines are relative to it.
 class ProgramTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "tribotrack-test-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
   /// `arguments` go through the shell, as typed. `environment` such as "NO_COLOR=1 ".
   Outcome run(const std::string& arguments, const std::string& environment = "") const {
     const std::string command = "cd '" + folder_.string() + "' && " + environment +
@@ -109,7 +151,8 @@ class ProgramTest : public ::testing::Test {
     return names;
   }
 
-  std::filesystem::path folder_;
+  test::TemporaryFolder own_;
+  const std::filesystem::path folder_ = own_.path();
 };
 
 /// One sentence on stderr, nothing on stdout, this exit code, and the words that must stand in it.

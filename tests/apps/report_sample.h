@@ -201,24 +201,19 @@ inline ReportData campaign(unsigned seed = 1) {
   data.runs.push_back(failed);
   data.runs.push_back(slide(random));
 
-  data.over_phi = groups_over(Over::phi, data.runs);
-  for (ReportGroup& group : data.over_phi) {
-    group.curve_x_rad = curve_angles(Over::phi, group, data.runs);
-    for (const double phi : group.curve_x_rad) {
-      group.curve_alpha_rad.push_back(alpha_of(phi, group.shared_rad));
-      group.curve_v_mm_s.push_back(v_of(group.shared_rad));
-      group.curve_alpha_sd_rad.push_back(0.01);
-      group.curve_v_sd_mm_s.push_back(0.02);
-    }
-  }
-  data.over_dtau = groups_over(Over::dtau, data.runs);
-  for (ReportGroup& group : data.over_dtau) {
-    group.curve_x_rad = curve_angles(Over::dtau, group, data.runs, 61);
-    for (const double dtau : group.curve_x_rad) {
-      group.curve_alpha_rad.push_back(alpha_of(group.shared_rad, dtau));
-      group.curve_v_mm_s.push_back(v_of(dtau));
-      group.curve_alpha_sd_rad.push_back(0.01);
-      group.curve_v_sd_mm_s.push_back(0.02);
+  for (const Over over : {Over::phi, Over::dtau}) {
+    std::vector<ReportGroup>& groups = over == Over::phi ? data.over_phi : data.over_dtau;
+    groups = groups_over(over, data.runs);
+    for (ReportGroup& group : groups) {
+      group.curve_x_rad = curve_angles(over, group, data.runs);
+      for (const double x : group.curve_x_rad) {
+        const double phi = over == Over::phi ? x : group.shared_rad,
+                     dtau = over == Over::phi ? group.shared_rad : x;
+        group.curve_alpha_rad.push_back(alpha_of(phi, dtau));
+        group.curve_v_mm_s.push_back(v_of(dtau));
+        group.curve_alpha_sd_rad.push_back(0.01);
+        group.curve_v_sd_mm_s.push_back(0.02);
+      }
     }
   }
   data.program_version = "0.1.0";

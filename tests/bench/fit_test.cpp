@@ -1,4 +1,4 @@
-#include "apps/bench/fit.h"
+#include "apps/bench/comparison.h"
 
 #include <gtest/gtest.h>
 
@@ -12,19 +12,6 @@ namespace tribotrack::bench {
 using namespace fit;
 
 namespace {
-
-TEST(SimulatedCampaign, ScattersByWhatItStates) {
-  const FitTruth truth{0.1, 0.0125, 0.2};
-  const Problem problem = simulated_campaign(truth, 5, 5);
-  ASSERT_EQ(problem.summary_runs.size(), 14u);
-  double chi2 = 0;
-  for (const SummaryRun& run : problem.summary_runs) {
-    const Eigen::Vector2d off = run.measured.vector - modelled_displacement(run.scenario);
-    chi2 += off.dot(run.measured.covariance.inverse() * off);
-  }
-  // 28 degrees of freedom: within 4 standard deviations.
-  EXPECT_NEAR(chi2, 28, 4 * std::sqrt(56.0));
-}
 
 TEST(FitBench, QuickRunComparesTheMethodsAtOneMinimum) {
   FitBenchOptions options;

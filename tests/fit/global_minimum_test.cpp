@@ -1,7 +1,7 @@
 // The fit finds the global minimum, which looking everywhere knows.
 #include <gtest/gtest.h>
 
-#include "apps/bench/campaigns.h"
+#include "apps/bench/coverage.h"
 #include "fit/estimate.h"
 
 namespace tribotrack::fit {

@@ -17,7 +17,7 @@
 #include "apps/files/traces/scope_file.h"
 #include "apps/files/track_file.h"
 #include "apps/files/tracks/any_track.h"
-#include "apps/report/data/collect.h"
+#include "apps/report/data/data.h"
 #include "fuzz/target.h"
 #include "vision/frame_source.h"
 

@@ -1,4 +1,4 @@
-#include "apps/report/data/collect.h"
+#include "apps/report/data/data.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,6 +12,7 @@
 
 #include "apps/campaign/compared_runs.h"
 #include "apps/program/errors.h"
+#include "apps/report/data/curves.h"
 #include "fit/fit_result_json.h"
 
 namespace tribotrack::apps {
@@ -166,11 +167,7 @@ void add_measurement(const JsonPlace& m, ReportRun& run) {
         "phase_at_zero_rad", "angular_frequency_drift_rad_s2", "phi_rad", "dtau_rad"})
     if (const fit::Estimate seen = value(m, key); !std::isnan(seen.value)) run.measured[key] = seen;
   run.cycles = m.integer("cycles", 0);
-  if (const auto gate = m.find("gate")) {
-    run.gate_source = gate->text("source");
-    for (const char* level : {"lamp_off_level", "lamp_on_level"})
-      run.measured[level] = {number_at(*gate, level), no_value};
-  }
+  if (const auto gate = m.find("gate")) run.gate_source = gate->text("source");
   for (const JsonPlace& h : m.items("harmonics"))
     if (h.boolean("seen", false))
       run.harmonics.push_back(

@@ -7,15 +7,12 @@
 #include <numbers>
 #include <optional>
 
-#include "fit/gate_timing.h"
 #include "fit/measurement.h"
 #include "fit/prediction.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::apps {
 namespace {
-
-constexpr std::size_t kFewGroups = 8;  // more curves than that are drawn with fewer points each
 
 /// In SI; nullopt where a parameter is not determined: then there is no band.
 std::optional<fit::FittedParameters> known_parameters(const fit::FitResult& fit) {
@@ -79,7 +76,7 @@ void add_curves(ReportData& data, long most_steps) {
   const std::optional<fit::FittedParameters> known = known_parameters(data.fit);
   data.over_phi = groups_over(Over::phi, data.runs);
   data.over_dtau = groups_over(Over::dtau, data.runs);
-  const int points = data.over_phi.size() > kFewGroups || data.over_dtau.size() > kFewGroups ? 91 : 241;
+  constexpr int points = 121;
   const auto all_points = static_cast<long>(data.over_phi.size() + data.over_dtau.size()) * points;
   const long share = most_steps / std::max(1L, all_points);
   std::size_t left_out = 0;
@@ -201,16 +198,6 @@ void add_drawings(ReportRun& run) {
   motion.phase_shift.value = value("phase_shift_rad");
   motion.phase_at_zero.value = value("phase_at_zero_rad");
   run.platform = fit::picture_of(run.track.table, motion);
-  const bool lamp_gave_phi = std::isfinite(value("lamp_on_level")) && std::isfinite(value("phi_rad"));
-  if (!lamp_gave_phi || run.track.lamp.time.empty()) return;
-  const fit::PhaseClock clock{motion.angular_frequency.value, motion.phase_at_zero.value, 0};
-  fit::GateTiming gate;
-  gate.phi.value = value("phi_rad");
-  gate.dtau.value = value("dtau_rad");
-  gate.off_level = value("lamp_off_level");
-  gate.on_level = value("lamp_on_level");
-  run.lamp = fit::fold_lamp(run.track.lamp, clock, gate);
-  run.modelled_lamp = fit::modelled_lamp(run.track.lamp, clock, gate);
 }
 
 }  // namespace tribotrack::apps

@@ -7,9 +7,6 @@
 
 namespace tribotrack::apps {
 
-/// How many steps of the model (IntegrationSummary::steps) the curves of a report may take together: seconds.
-inline constexpr long kMostCurveSteps = 5'000'000;
-
 /// Groups data.runs and evaluates the model for each group: the scenario of its first run, at the fitted
 /// parameters, with one angle varied.
 /// A point that takes more than its share of `most_steps` is left out, and a warning says so: friction next
@@ -44,9 +41,8 @@ inline constexpr long kMostPathSteps = 1'000'000;
 /// False where the motion takes more than `most_steps` steps to follow; then there is no model path.
 bool add_model_path(ReportRun& run, long most_steps = kMostPathSteps);
 
-/// Platform and lamp of a run as drawn: orbit, phase residual over time, brightness over phase; nothing where
-/// the platform was not seen to move. The lines drawn are the numbers of ReportRun::measured, not a new
-/// measurement.
+/// The platform of a run as drawn: orbit, phase residual over time; nothing where it was not seen to move.
+/// The line drawn is the numbers of ReportRun::measured, not a new measurement.
 void add_drawings(ReportRun& run);
 
 }  // namespace tribotrack::apps

@@ -1,5 +1,5 @@
 // What a campaign's report shows: the fit's result, its runs with their tracks, and where all of it came
-// from. collect.h fills it, page/page.h turns it into HTML. NaN = no value.
+// from. page/page.h turns it into HTML. NaN = no value.
 #pragma once
 
 #include <limits>
@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/files/run_folder.h"
 #include "apps/files/track_file.h"
 #include "fit/fit_result.h"
-#include "fit/gate_timing.h"
 #include "fit/measurement.h"
 
 namespace tribotrack::apps {
@@ -59,17 +59,12 @@ struct ReportRun {
     return no_value;
   }
   double modelled(const char* observable) const { return residual(observable, &fit::Residual::modelled); }
-  std::size_t outlying_points() const {  ///< of a trajectory, beyond 6 sigma
-    const auto found = fitted.nuisance.find("outliers");
-    return found == fitted.nuisance.end() ? 0 : static_cast<std::size_t>(found->second);
-  }
 
   /// The model's path at the fitted parameters at the track's times, and where the part was after each whole
   /// cycle (add_model_path). Empty where there is no fit, or the path holds the platform's motion.
   std::vector<double> model_x_mm, model_y_mm, cycle_x_mm, cycle_y_mm;
-  /// Platform and lamp as seen and as measured (add_drawings); empty without a mark, without a lamp.
+  /// The platform as seen and as measured (add_drawings); empty without a mark.
   fit::PlatformPicture platform;
-  fit::FoldedLamp lamp, modelled_lamp;
 };
 
 /// Runs that differ in one of phi, dtau and share the other, with the model's curve through them.
@@ -114,5 +109,18 @@ inline std::vector<fit::NextExperiment> ReportData::next_runs() const {
   if (fit.next_experiment) next.insert(next.begin(), *fit.next_experiment);
   return next;
 }
+
+/// How many steps of the model (IntegrationSummary::steps) the curves of a report may take together: seconds.
+inline constexpr long kMostCurveSteps = 5'000'000;
+
+/// From the folder that `run` has filled: reads fit.json, its meta file, the tracks and measurements. Throws
+/// InvalidInput naming the file and the key that is missing or wrong. `most_steps`: of the model, for its
+/// curves.
+ReportData collect(const RunFolder& folder, long most_steps = kMostCurveSteps);
+
+/// Sentences that differ in the run they name, and in numbers, as one each: "runs a, b: ..."; in the order of
+/// the first of each.
+std::vector<std::string> pooled_by_cause(const std::vector<std::string>& sentences,
+                                         const std::vector<ReportRun>& runs);
 
 }  // namespace tribotrack::apps

@@ -12,8 +12,9 @@
 namespace tribotrack::apps {
 
 /// A page that holds everything it needs: style, plotting library, pictures, numbers. It fetches nothing, and
-/// its content security policy forbids the browser to. The same data give the same bytes.
-std::string page_of(const ReportData& data);
+/// its content security policy forbids the browser to. The same data give the same bytes. `of_campaign`:
+/// campaign_figures().
+std::string page_of(const ReportData& data, std::vector<Figure> of_campaign);
 
 /// Read in ten seconds: verdict, the parameters with the interval to quote, what they assume, what to do
 /// next, a path over its first frame, alpha against phi (else the figure that comes nearest to it), and
@@ -49,5 +50,30 @@ PageSection detail_section(const ReportData& data, const std::vector<std::vector
 PageSection picture_section(const ReportData& data);
 /// The one to show first: of the run with the longest path; empty where no recording is at hand.
 std::string first_picture(const ReportData& data);
+
+// Figures. Their axes are settled when the page is made.
+
+/// Of the campaign, those it has runs for.
+std::vector<Figure> campaign_figures(const ReportData& data);
+
+/// Of run `index`: position, residual, sd and score over time, the platform's orbit and phase,
+/// rotation; those that it has numbers for.
+std::vector<Figure> run_figures(const ReportData& data, std::size_t index);
+
+/// "3 phi045": as the runs are called in figures and tables.
+std::string run_label(const ReportData& data, std::size_t index);
+
+// Parts of campaign_figures().
+
+/// alpha and v against phi and dtau: the paper's figures 9a, 9b and 10.
+std::vector<Figure> dependence_figures(const ReportData& data);
+/// The paths of the part on the platform: the paper's figure 11.
+std::vector<Figure> trajectory_figures(const ReportData& data);
+/// Measured minus modelled, run by run.
+std::vector<Figure> residual_figures(const ReportData& data);
+/// What the fit says of its parameters: profiles, pairs, influence of each run.
+std::vector<Figure> parameter_figures(const ReportData& data);
+/// Free slides: distance along the path against time.
+std::vector<Figure> slide_figures(const ReportData& data);
 
 }  // namespace tribotrack::apps

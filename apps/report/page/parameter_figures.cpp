@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "apps/page/text.h"
-#include "apps/report/page/figures.h"
+#include "apps/report/page/page.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -20,7 +20,7 @@ bool determined(const fit::ParameterEstimate& p) {
 /// "μ₁", with its unit.
 std::string axis_title(const fit::ParameterEstimate& p) {
   const ParameterText shown = parameter_text(p.parameter);
-  return plain_symbol(fit::to_string(p.parameter)) + (shown.unit.empty() ? "" : ", " + shown.unit);
+  return shown.symbol + (shown.unit.empty() ? "" : ", " + shown.unit);
 }
 
 /// Four sd to either side: what profile and ellipses reach.
@@ -159,8 +159,8 @@ std::vector<Figure> influence(const ReportData& data) {
       notes.push_back(run_label(data, i));
     }
     if (!x.empty())
-      panel.traces.push_back(plot::points(plain_symbol(fit::to_string(data.fit.parameters[p].parameter)), x,
-                                          y, {.colour = static_cast<int>(p), .legend = true}, notes));
+      panel.traces.push_back(plot::points(parameter_text(data.fit.parameters[p].parameter).symbol, x, y,
+                                          {.colour = static_cast<int>(p), .legend = true}, notes));
   }
   if (panel.traces.empty() || panel.traces.front()["x"].size() < 2) return {};
   Figure figure{.id = "influence", .title = "Influence of each run", .panels = {panel}, .height = 0.34};

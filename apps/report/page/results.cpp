@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/page/text.h"
-#include "apps/report/tables/verdict.h"
+#include "apps/report/tables/tables.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -37,16 +37,16 @@ std::string slide_table(const fit::FitResult& fit) {
   std::string rows;
   for (const fit::SlideResult& slide : fit.slides) rows += slide_row(slide);
   std::string html = table("slide-table", "compact",
-                           {"slide", ">μ<sub>1</sub>", ">95 % interval", ">edge speed / sliding speed",
-                            ">χ² / d.o.f.", ">frames used", "blow or collision"},
+                           {"slide", ">μ₁", ">95 % interval", ">edge speed / sliding speed", ">χ² / d.o.f.",
+                            ">frames used", "blow or collision"},
                            rows);
   html +=
       "<p class=\"note\">A spinning disc decelerates more slowly; the fit accounts for it if the rotation is "
-      "measured. If not, “half” says how much larger μ<sub>1</sub> would be with an edge speed of half the "
+      "measured. If not, “half” says how much larger μ₁ would be with an edge speed of half the "
       "sliding speed.";
   if (fit.slides.size() > 1)
     html += fmt::format(
-        " Between slides μ<sub>1</sub> scatters with a standard deviation of {} ({}); the interval of "
+        " Between slides μ₁ scatters with a standard deviation of {} ({}); the interval of "
         "the mean includes it, by Student’s t with {} degrees of freedom.",
         number(fit.between_slides.sd, 2),
         fit.between_slides.p_value < 0.05

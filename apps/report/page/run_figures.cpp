@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "apps/page/text.h"
-#include "apps/report/page/figures.h"
+#include "apps/report/page/page.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -97,10 +96,6 @@ Json frames(const Values& x, const Values& y, bool legend) {
   return plot::points("frames", drawn.x, drawn.y, {.legend = legend, .small = true});
 }
 
-Json fitted(const Values& x, const Values& y, bool legend) {
-  return plot::line("fitted", x, y, {.colour = 1, .legend = legend});
-}
-
 std::vector<Figure> platform(const ReportData& data, std::size_t index) {
   const ReportRun& run = data.runs[index];
   if (run.platform.orbit.empty()) return {};
@@ -115,18 +110,14 @@ std::vector<Figure> platform(const ReportData& data, std::size_t index) {
   figure.panels = {{.x = plot::axis("ξ, mm"),
                     .y = plot::axis("η, mm"),
                     .traces = {frames(in_mm(run.platform.orbit, 0), in_mm(run.platform.orbit, 1), true),
-                               fitted(in_mm(run.platform.model, 0), in_mm(run.platform.model, 1), true)},
+                               plot::line("fitted", in_mm(run.platform.model, 0),
+                                          in_mm(run.platform.model, 1), {.colour = 1, .legend = true})},
                     .equal_scale = true},
                    {.x = plot::axis("time, s"),
                     .y = plot::with_zero_line(plot::axis("phase residual, mrad")),
                     .traces = {frames(run.track.table.time, left_mrad, false)}}};
-  if (!run.lamp.share.empty())
-    figure.panels.push_back({.x = plot::angle_axis("ωt, rad", 0, 2 * std::numbers::pi),
-                             .y = plot::axis("lit share", -0.1, 1.1),
-                             .traces = {frames(run.lamp.phase, run.lamp.share, false),
-                                        fitted(run.modelled_lamp.phase, run.modelled_lamp.share, false)}});
-  figure.columns = static_cast<int>(figure.panels.size());
-  figure.height = figure.columns == 3 ? 0.34 : 0.42;
+  figure.columns = 2;
+  figure.height = 0.42;
   figure.alternative =
       fmt::format("Orbit and phase residual of the platform in run {}.", run_label(data, index));
   return {figure};
@@ -137,7 +128,6 @@ std::vector<Figure> platform(const ReportData& data, std::size_t index) {
 std::vector<Figure> run_figures(const ReportData& data, std::size_t index) {
   std::vector<Figure> figures = over_time(data, index);
   for (const Figure& more : platform(data, index)) figures.push_back(more);
-  for (Figure& figure : figures) settle_axes(figure);
   return figures;
 }
 
@@ -179,9 +169,9 @@ std::vector<Figure> slide_figures(const ReportData& data) {
                       .traces = {plot::points("", time, picked(left_um, places), {.small = true})}};
     Figure figure{.id = fmt::format("slide-{}", figures.size() + 1), .title = "Free slide " + run.name};
     figure.caption =
-        "Distance along the slide against time, with the law of friction at its own μ<sub>1</sub> (without "
+        "Distance along the slide against time, with the law of friction at its own μ₁ (without "
         "spin a "
-        "parabola, deceleration μ<sub>1</sub> g); below, measured minus fitted. " +
+        "parabola, deceleration μ₁ g); below, measured minus fitted. " +
         sentence_html(run.fitted.slide.sentence + own_sentence(data, run.name));
     figure.alternative =
         fmt::format("Free slide {}: distance against time and the residual below.", run.name);
@@ -202,32 +192,6 @@ bool has_path(const ReportRun& run) {
   return run.failure.empty() && !run.track.x_mm.empty() && !run.free_slide;
 }
 
-/// Numbers at the ends of the paths; those that end at the same place share one.
-Json end_labels(const ReportData& data, const std::vector<std::size_t>& drawn, double size) {
-  Values xs, ys;
-  Notes texts;
-  for (const std::size_t i : drawn) {
-    const Track& run = data.runs[i].track;
-    for (std::size_t k = run.x_mm.size(); k-- > 0;) {
-      if (!std::isfinite(run.x_mm[k]) || !std::isfinite(run.y_mm[k])) continue;
-      const double length = std::hypot(run.x_mm[k], run.y_mm[k]);
-      const double out = length > 0 ? 1 + 0.05 * size / length : 1;
-      const double x = out * run.x_mm[k], y = out * run.y_mm[k];
-      std::size_t same = 0;
-      while (same < xs.size() && std::hypot(xs[same] - x, ys[same] - y) > 0.03 * size) ++same;
-      if (same < xs.size()) {
-        texts[same] += fmt::format(", {}", i + 1);
-      } else {
-        xs.push_back(x);
-        ys.push_back(y);
-        texts.push_back(std::to_string(i + 1));
-      }
-      break;
-    }
-  }
-  return plot::labels(xs, ys, texts);
-}
-
 }  // namespace
 
 std::vector<Figure> trajectory_figures(const ReportData& data) {
@@ -235,7 +199,6 @@ std::vector<Figure> trajectory_figures(const ReportData& data) {
   for (std::size_t i = 0; i < data.runs.size(); ++i)
     if (has_path(data.runs[i])) drawn.push_back(i);
   if (drawn.empty()) return {};
-  const bool many = drawn.size() > kMostInLegend;
   Values across, along;
   for (const std::size_t i : drawn) {
     across.insert(across.end(), data.runs[i].track.x_mm.begin(), data.runs[i].track.x_mm.end());
@@ -244,32 +207,33 @@ std::vector<Figure> trajectory_figures(const ReportData& data) {
   const Range reach = hull(range_of(across), range_of(along));
   Panel panel{.x = plot::axis("x, mm"), .y = plot::axis("y, mm"), .equal_scale = true};
   bool modelled = false, marked = false;
+  std::vector<Json> paths;
+  Notes numbers;
   const std::size_t most = std::min(kMostOfPath, kMostOfAll / drawn.size());
   for (std::size_t k = 0; k < drawn.size(); ++k) {
     const ReportRun& run = data.runs[drawn[k]];
     const int colour = static_cast<int>(k);
-    const std::string name = many ? "" : run_label(data, drawn[k]);
     const DrawnPath path = thinned(run.track.x_mm, run.track.y_mm, most);
-    panel.traces.push_back(
-        plot::line(name, path.x, path.y, {.colour = colour, .legend = !many, .small = true}));
+    paths.push_back(plot::line(run_label(data, drawn[k]), path.x, path.y, {.colour = colour, .small = true}));
+    numbers.push_back(std::to_string(drawn[k] + 1));
+    panel.traces.push_back(paths.back());
     if (!run.model_x_mm.empty()) {
       const DrawnPath model = thinned(run.model_x_mm, run.model_y_mm, most);
       panel.traces.push_back(
-          plot::line(many ? "model" : name, model.x, model.y,
-                     {.colour = plot::kInk, .legend = many && !modelled, .dashed = true, .small = true}));
+          plot::line("model", model.x, model.y,
+                     {.colour = plot::kInk, .legend = !modelled, .dashed = true, .small = true}));
       modelled = true;
     }
     if (!run.cycle_x_mm.empty()) {
       Notes notes;
       for (std::size_t c = 0; c < run.cycle_x_mm.size(); ++c)
         notes.push_back(fmt::format("{}, {} cycle{}", run_label(data, drawn[k]), c, c == 1 ? "" : "s"));
-      panel.traces.push_back(plot::points(many ? "whole cycles" : name, run.cycle_x_mm, run.cycle_y_mm,
-                                          {.colour = colour, .legend = many && !marked, .small = true},
-                                          notes));
+      panel.traces.push_back(plot::points("whole cycles", run.cycle_x_mm, run.cycle_y_mm,
+                                          {.colour = colour, .legend = !marked, .small = true}, notes));
       marked = true;
     }
   }
-  if (drawn.size() <= 60) panel.traces.push_back(end_labels(data, drawn, reach.size()));
+  if (drawn.size() <= 60) panel.traces.push_back(plot::end_numbers(paths, numbers));
   Figure figure{.id = "trajectories", .title = "Trajectories of the part (paper, figure 11)"};
   figure.caption =
       "In millimetres from where each began, y up, both axes to the same scale. The numbers are those of the "

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "apps/page/text.h"
-#include "apps/report/data/collect.h"
+#include "apps/report/data/data.h"
 
 namespace tribotrack::apps {
 namespace {
@@ -135,7 +135,7 @@ std::string platform_numbers(const ReportRun& run) {
       parts.push_back(fmt::format("{} = {} {}", symbol, quoted_value(seen.value, seen.sd), unit));
   };
   add("A", "amplitude_mm", "mm");
-  add("A<sub>y</sub>", "amplitude_y_mm", "mm");
+  add("Ay", "amplitude_y_mm", "mm");
   add("ω", "angular_frequency_rad_s", "rad/s");
   add("ε", "phase_shift_rad", "rad");
   add("dω/dt", "angular_frequency_drift_rad_s2", "rad/s²");
@@ -214,9 +214,7 @@ PageSection detail_section(const ReportData& data, const std::vector<std::vector
       "per axis; NCC: score of the template, 1 for a perfect match; shaded: part not found. Of long runs the "
       "lowest and the highest point of every stretch are drawn. The platform: its orbit with the motion "
       "fitted to all frames; the phase residual of a constant frequency, in which a bend is a drift of the "
-      "drive; the gate LED’s brightness over the platform’s phase, whose slopes are exposures during which "
-      "it "
-      "switched.</p>\n";
+      "drive.</p>\n";
   if (!data.phase_reference.empty()) text += "<p>" + sentence_html(data.phase_reference) + "</p>\n";
   section.html = text + section.html;
   return section;

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "apps/page/text.h"
-#include "apps/report/tables/verdict.h"
 #include "apps/text/csv_table.h"
 #include "apps/text/number_text.h"
 
@@ -249,18 +248,6 @@ std::string outlier_table(const ReportData& data) {
          table("outliers", "compact outliers", headings, html);
 }
 
-std::string outlying_points(const ReportData& data) {
-  std::string items;
-  for (const ReportRun& run : data.runs)
-    if (run.outlying_points() > 0)
-      items += fmt::format("<li><b>{}</b>: {} of {} points.</li>", escape_html(run.name),
-                           run.outlying_points(), run.fitted.points);
-  if (items.empty()) return "";
-  return "<h3>Points that contradict their run</h3>\n<p>They lie beyond 6 σ of the run’s other points; the "
-         "warnings name their frames.</p>\n<ul>" +
-         items + "</ul>\n";
-}
-
 /// Runs that were kept out of the fit, predicted and measured.
 std::string prediction_table(const ReportData& data) {
   std::string rows;
@@ -335,8 +322,7 @@ PageSection check_section(const ReportData& data, const std::vector<Figure>& fig
   PageSection section{"check", "Does the model describe the data?", ""};
   if (!data.fitted()) return section;
   section.html = goodness(data.fit) + figure_box(figures, "residuals") + outlier_table(data) +
-                 prediction_table(data) + outlying_points(data) + explanation_table(data.fit) +
-                 not_needed(data.fit);
+                 prediction_table(data) + explanation_table(data.fit) + not_needed(data.fit);
   return section;
 }
 

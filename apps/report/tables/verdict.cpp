@@ -1,4 +1,4 @@
-#include "apps/report/tables/verdict.h"
+#include "apps/report/tables/tables.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -116,7 +116,7 @@ std::vector<std::string> assumptions(const ReportData& data) {
   std::vector<std::string> lines;
   const auto keys = [](const std::vector<std::string>& names) {
     std::vector<std::string> symbols;
-    for (const std::string& name : names) symbols.push_back(plain_symbol(name));
+    for (const std::string& name : names) symbols.push_back(parameter_text(name).symbol);
     return list_of(symbols);
   };
   lines.push_back(fit.quoted_under.empty()
@@ -169,7 +169,7 @@ std::string methods_text(const ReportData& data) {
   if (!data.fitted()) return text + fmt::format("Computed with {}.", version(data));
   std::vector<std::string> names;
   for (const fit::ParameterEstimate& p : data.fit.parameters)
-    names.push_back(plain_symbol(fit::to_string(p.parameter)));
+    names.push_back(parameter_text(p.parameter).symbol);
   text += fmt::format(
       "{} {} estimated by weighted least squares from {} run{}, with the equation of motion of the part "
       "under pulsed dry "

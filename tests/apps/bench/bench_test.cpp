@@ -1,21 +1,14 @@
 // tribotrack bench as a user calls it, and the page on which its rows stand.
 #include <gtest/gtest.h>
-#include <stdlib.h>
-#include <sys/wait.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 
 #include "apps/bench/page.h"
+#include "apps/program.h"
 
 namespace tribotrack::bench {
 namespace {
-
-namespace fs = std::filesystem;
 
 bool holds(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
@@ -75,59 +68,26 @@ TEST(BenchPage, ShowsWhatWasRun) {
   EXPECT_EQ(figure.panels[0].y["range"][0], -9);
 }
 
-std::string text_in(const fs::path& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-class BenchCommand : public ::testing::Test {
- protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "tribotrack_bench_XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  int call(const std::string& arguments) const {
-    const std::string command = std::string(TRIBOTRACK_BINARY) + " bench " + arguments + " > " +
-                                (folder_ / "stdout").string() + " 2> " + (folder_ / "stderr").string();
-    const int status = std::system(command.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  fs::path folder_;
-};
+class BenchCommand : public apps::ProgramTest {};
 
 TEST_F(BenchCommand, AllQuickWritesEveryTableItsMetaFileAndThePage) {
-  const fs::path out = folder_ / "out";
-  ASSERT_EQ(call("all --quick --campaigns 1 -o " + out.string()), 0) << text_in(folder_ / "stderr");
+  const apps::Outcome outcome = run("bench all --quick --campaigns 1 -o out");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::filesystem::path out = in_folder("out");
   for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_vision",
                            "bench_fit", "bench_fit_coverage"}) {
-    EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv"))) << name;
-    EXPECT_TRUE(fs::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
-    EXPECT_TRUE(holds(text_in(folder_ / "stdout"), std::string(name) + ".csv\n")) << name;
+    EXPECT_TRUE(std::filesystem::exists(out / (std::string(name) + ".csv"))) << name;
+    EXPECT_TRUE(std::filesystem::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
+    EXPECT_TRUE(holds(outcome.out, std::string(name) + ".csv\n")) << name;
   }
-  const std::string page = text_in(out / "bench.html");
+  const std::string page = apps::content_of(out / "bench.html");
   for (const char* section : {"model", "extremes", "omissions", "vision", "fit", "coverage", "circumstances"})
     EXPECT_TRUE(holds(page, "<section id=\"" + std::string(section))) << section;
-  EXPECT_TRUE(holds(text_in(folder_ / "stderr"), "Who wins where"));
-  const auto json = nlohmann::json::parse(text_in(out / "bench.json"));
+  EXPECT_TRUE(holds(outcome.err, "Who wins where"));
+  const auto json = nlohmann::json::parse(apps::content_of(out / "bench.json"));
   for (const char* key : {"cpu", "compiler", "compiler_flags", "reference", "results"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(json["results"]["model"]["laws_broken"], 0);
-}
-
-TEST_F(BenchCommand, RefusesWhatItDoesNotKnowAndWhatLeft) {
-  EXPECT_EQ(call("speed -o " + folder_.string()), 2);
-  EXPECT_EQ(call("model"), 2);
-  EXPECT_EQ(call("model --quick -o /proc/none"), 3);
-  for (const char* left :
-       {"scale", "commands", "coverage --part 1/2", "coverage --join a", "vision --keep x"}) {
-    EXPECT_EQ(call(left + (" -o " + (folder_ / "x").string())), 2) << left;
-    EXPECT_TRUE(holds(text_in(folder_ / "stderr"), "is no longer there: ")) << text_in(folder_ / "stderr");
-  }
-  EXPECT_FALSE(fs::exists(folder_ / "x"));
 }
 
 }  // namespace

@@ -47,16 +47,6 @@ TEST_F(DebugPictures, EveryPictureOfTheIndexIsThereAndCanBeLookedAt) {
   EXPECT_EQ(files, listed.size() + 1);
 }
 
-TEST_F(DebugPictures, ChosenFramesAreShownAndOtherFilesLeftAlone) {
-  std::filesystem::create_directory(in_folder("pictures"));
-  put(in_folder("pictures/mine.txt"), "mine");
-  ASSERT_EQ(run("track slide.cine -o t.csv --debug pictures --debug-frames 5,7 --layers off -q").exit_code,
-            0);
-  EXPECT_EQ(content_of(in_folder("pictures/mine.txt")), "mine");
-  EXPECT_TRUE(std::filesystem::exists(in_folder("pictures/frame000005_window.png")));
-  EXPECT_FALSE(std::filesystem::exists(in_folder("pictures/frame000000_window.png")));
-}
-
 TEST_F(DebugPictures, ExplainTellsTimesAndMetaNone) {
   const Outcome outcome = run("track slide.cine --mm-per-px 0.05 -o t.csv --layers off --explain -q");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

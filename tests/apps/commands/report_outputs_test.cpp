@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <sstream>
 
-#include "apps/chromium.h"
 #include "apps/program.h"
 #include "apps/text/json.h"
 

@@ -53,21 +53,6 @@ TEST_F(RunFolders, WaitsForTheHolderOfTheFolder) {
   EXPECT_THAT(waited.out, Not(HasSubstr("early")));
 }
 
-// A fresh campaign is fitted from memory, a resumed one from its files.
-TEST_F(RunFolders, ResumingGivesTheSameBytes) {
-  render_slide("a.cine");
-  render_slide("b.cine", {.velocity_x = "90"});
-  put(in_folder("c.toml"), slides_campaign({"a.cine", "b.cine"}));
-  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
-  std::map<std::string, std::string> fresh;
-  for (const char* file : {"out/fit.json", "out/fit.json.meta.json", "out/report.html", "out/tracks/a.csv",
-                           "out/tracks/a.csv.meta.json"})
-    fresh[file] = content_of(in_folder(file));
-  fs::remove(in_folder("out/tracks/b.csv"));
-  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
-  for (const auto& [file, content] : fresh) EXPECT_EQ(content_of(in_folder(file)), content) << file;
-}
-
 TEST_F(RunFolders, ATrackThatIsNotWhatWasWrittenIsMadeAgainAndSaid) {
   render_slide("a.cine");
   render_slide("b.cine", {.velocity_x = "90"});

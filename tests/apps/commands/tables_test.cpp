@@ -100,10 +100,6 @@ TEST_F(TablesOnTheWay, TheRunsTableOfARunIsATable) {
   }
   EXPECT_EQ(again["runs"].size(), fit["runs"].size());
   EXPECT_EQ(again["runs"][0]["name"], fit["runs"][0]["name"]);
-  // The page made anew from the folder's files is the same.
-  const std::string page = content_of(in_folder("out/report.html"));
-  ASSERT_EQ(run("report out -o again.html --quiet").exit_code, 0);
-  EXPECT_EQ(content_of(in_folder("again.html")), page);
 }
 
 TEST_F(TablesOnTheWay, TracksOfOthersGiveTheFrictionThatMadeThem) {
@@ -131,12 +127,10 @@ TEST_F(TablesOnTheWay, TracksOfOthersGiveTheFrictionThatMadeThem) {
     EXPECT_LT(p["sd"].get<double>(), 0.02 * truth) << parameter;
   }
   EXPECT_THAT(fit["warnings"].dump(), HasSubstr("4 of 4 runs are tracks without standard deviations"));
-  // `run` keeps a copy of each as a track of ours; a report of the folder is the same page.
+  // `run` keeps a copy of each as a track of ours.
   const Outcome outcome = run("run c.toml -o out --quiet");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(json::parse(content_of(in_folder("out/fit.json")))["parameters"], fit["parameters"]);
-  ASSERT_EQ(run("report out -o again.html --quiet").exit_code, 0);
-  EXPECT_EQ(content_of(in_folder("again.html")), content_of(in_folder("out/report.html")));
   const Outcome measured = run("measure t1.txt --track-unit mm --omega-rad-s 62.8 --cycles 19 --json");
   ASSERT_EQ(measured.exit_code, 0) << measured.err;
   EXPECT_THAT(measured.err, HasSubstr("note: read as a track of Tracker"));

@@ -65,14 +65,6 @@ TEST(SettleAxes, EndsThatAreGivenStayAndTheOthersHoldTheData) {
   EXPECT_GT(ends(panel.y)[1], 5);
 }
 
-TEST(SettleAxes, BandsHaveAnUpperEdge) {
-  const Panel band = settled({{.x = plot::axis(""),
-                               .y = plot::axis(""),
-                               .traces = {plot::band("", {0, 1}, {0, 1}, {2, 3}, {})}}})
-                         .panels[0];
-  EXPECT_GT(ends(band.y)[1], 3);
-}
-
 TEST(SettleAxes, LogarithmicOnesEndAtWholeDecades) {
   const Panel panel = settled({{.x = plot::log_axis(""),
                                 .y = plot::log_axis(""),
@@ -80,30 +72,6 @@ TEST(SettleAxes, LogarithmicOnesEndAtWholeDecades) {
                           .panels[0];
   EXPECT_THAT(ends(panel.x), ElementsAre(-2, 1));
   EXPECT_THAT(ends(panel.y), ElementsAre(-9, 0));
-}
-
-TEST(SettleAxes, PanelsOfAColumnShareTheirX) {
-  const auto panel = [](Values x) {
-    return Panel{.x = plot::axis(""), .y = plot::axis(""), .traces = {plot::points("", x, {0, 1})}};
-  };
-  const Figure figure = settled({panel({0, 1}), panel({5, 9})}, true);
-  EXPECT_EQ(ends(figure.panels[0].x), ends(figure.panels[1].x));
-  EXPECT_GT(ends(figure.panels[0].x)[1], 9);
-}
-
-TEST(SettleAxes, NothingToShowStillHasARange) {
-  const Panel panel =
-      settled({{.x = plot::axis(""), .y = plot::axis(""), .traces = {plot::line("", {kNone}, {kNone})}}})
-          .panels[0];
-  EXPECT_LT(ends(panel.y)[0], ends(panel.y)[1]);
-}
-
-TEST(Thinned, EveryKthPointOfALongOne) {
-  std::vector<double> x(10);
-  std::iota(x.begin(), x.end(), 0);
-  EXPECT_THAT(thinned(x, x, 5).x, ElementsAre(0, 2, 4, 6, 8));
-  EXPECT_THAT(thinned(x, x, 4).x, ElementsAre(0, 3, 6, 9));
-  EXPECT_THAT(thinned(x, x, 1).x, ElementsAre(0));
 }
 
 TEST(Thinned, EveryGapStaysAGap) {
@@ -125,14 +93,6 @@ TEST(Envelope, NoOutlierIsLost) {
   EXPECT_THAT(drawn, testing::Contains(7));
   EXPECT_THAT(drawn, testing::Contains(-7));
   EXPECT_THAT(drawn, testing::Contains(2));
-}
-
-TEST(Envelope, PlacesAscendAndGapsStayGaps) {
-  std::vector<double> y(1000, 0.5);
-  std::fill(y.begin() + 200, y.begin() + 400, kNone);
-  const std::vector<std::size_t> places = envelope(y, 50);
-  EXPECT_TRUE(std::ranges::is_sorted(places));
-  EXPECT_THAT(picked(y, places), testing::Contains(IsNan()));
 }
 
 /// Values a millionth apart at 0.1, as parameters are.

@@ -26,13 +26,6 @@ TEST(ReportText, NumbersThatAreNotFiniteAreSaidInSigns) {
   EXPECT_EQ(number(0.123456, 3), "0.123");
 }
 
-TEST(ReportText, AValueIsRoundedWhereItsSdHasTwoDigits) {
-  EXPECT_EQ(quoted_value(0.100123, 0.00031), "0.10012(31)");
-  EXPECT_EQ(quoted_value(-3.14159, 0.2), "−3.14(20)");
-  EXPECT_EQ(rounded(0.1, nan), "0.1") << "without an sd";
-  EXPECT_EQ(rounded(nan, 0.1), "–");
-}
-
 TEST(ReportText, AnIntervalKeepsTwoDigitsOfItsHalfWidth) {
   EXPECT_EQ(interval_text(0.09952, 0.100732, 0.00031), "0.09952 to 0.10073");
   EXPECT_EQ(interval_text(-0.001, infinity, 0.02), "−0.001 to ∞");

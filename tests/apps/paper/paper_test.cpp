@@ -125,15 +125,6 @@ TEST(PaperFigures, CurvesAreWhatARunGives) {
               1e3 * model::integrate(s).end().position.norm() / s.end_time(), 1e-9);
 }
 
-TEST(PaperFigures, AnglesBreakWhereTheyStartAgain) {
-  const DrawnPath alpha = series(figure(7), 0, "μ₁ = 0.1");
-  EXPECT_EQ(std::ranges::count_if(alpha.y, [](double y) { return std::isnan(y); }), 1);
-  for (std::size_t k = 1; k < alpha.y.size(); ++k) {
-    const double step = std::abs(alpha.y[k] - alpha.y[k - 1]);
-    EXPECT_FALSE(step > 0.2) << "at phi = " << alpha.x[k];  // NaN at the break
-  }
-}
-
 TEST(PaperClaims, EachHasItsVerdictAndNumber) {
   const std::pair<const char*, Verdict> verdicts[] = {{"circular end state", Verdict::exact},
                                                       {"keeps moving", Verdict::holds},
@@ -179,24 +170,6 @@ TEST(PaperClaims, NumbersAreThoseKnown) {
   EXPECT_THAT(claim("displacement over dtau").finding, HasSubstr("grows 2.5 to 3.9 times"));
 }
 
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size()))
-    ++found;
-  return found;
-}
-
-TEST(PaperPage, EveryClaimStandsOnceWithItsVerdict) {
-  const std::string page = page_of(paper());
-  for (const Claim& claim : paper().claims) {
-    const std::string name = sentence_html(claim.name), verdict = to_string(claim.verdict);
-    EXPECT_EQ(count(page, "<q>" + sentence_html(claim.statement) + "</q>"), 1u) << claim.name;
-    EXPECT_EQ(count(page, "<h3>" + name + ": " + verdict + "</h3>"), 1u) << claim.name;
-    EXPECT_EQ(count(page, ">" + name + "</a></td>"), 1u) << claim.name << " in the table of the first screen";
-    EXPECT_GE(count(page, "<p>" + sentence_html(claim.finding) + "</p>"), 1u) << claim.name;
-  }
-}
-
 class PaperCommand : public ProgramTest {};
 
 TEST_F(PaperCommand, WritesThePageAndItsTables) {
@@ -211,16 +184,6 @@ TEST_F(PaperCommand, WritesThePageAndItsTables) {
   }
   const auto files = std::filesystem::directory_iterator(in_folder("out"));
   EXPECT_EQ(static_cast<std::size_t>(std::distance(begin(files), end(files))), 2 * names.size());
-}
-
-TEST_F(PaperCommand, SaysWhatIsWrongBeforeTheWork) {
-  expect_refused(run("paper"), 2, {"--output"});
-  expect_refused(run("paper -o out --fast"), 2, {"--fast"});
-  expect_refused(run("paper -o out --figures print"), 2, {"--figures", "SVG"});
-  put(in_folder("file"), "");
-  expect_refused(run("paper -o file"), 3, {"file"});
-  std::filesystem::create_directories(in_folder("out/claims.csv"));
-  expect_refused(run("paper -o out"), 3, {"claims.csv"});
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <regex>
 
-#include "apps/chromium.h"
 #include "apps/program.h"
 
 namespace tribotrack::apps {

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <thread>
 
-#include "apps/chromium.h"
+#include "apps/program.h"
 #include "apps/program/errors.h"
 #include "vision/frame_sink.h"
 

@@ -1,7 +1,6 @@
 // Boards rendered point by point through a camera that is known, by inverse mapping with many points a pixel.
 #include "vision/calibration.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -11,9 +10,6 @@
 
 namespace tribotrack::vision {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 
 /// The camera of the tests: the truth.
 struct TrueCamera {
@@ -162,42 +158,6 @@ TEST(CalibrateCamera, ACheckerboardGivesBackCameraAndPlane) {
       r.calibration.mm_per_px_sd, error);
   EXPECT_LT(error, 0.02);
   EXPECT_NE(r.model, "no distortion") << "0.25 of distortion pays";
-}
-
-class CalibrationRefusalsCampaign : public ::testing::Test {
- protected:
-  static std::string refusal(const CalibrationBoard& board, const Session& session) {
-    try {
-      calibrate_camera(board, session.plane, session.pictures);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
-  }
-  TrueCamera camera_;
-};
-
-TEST_F(CalibrationRefusalsCampaign, DISABLED_EveryBadInputIsNamed) {
-  const double hx = 4.5 * kSquare, hy = 3.5 * kSquare;
-  const auto where = poses(hx, hy);
-  const Session good = photograph_all(camera_, {where[0], where[1], where[3], where[5]}, checkerboard(9, 7));
-
-  Session s = good;
-  s.plane.picture = Picture(360, 270);
-  EXPECT_THAT(refusal(board_of(9, 7), s),
-              AllOf(HasSubstr("picture0"), HasSubstr("no board"), HasSubstr("plane")));
-  EXPECT_THAT(refusal(board_of(8, 7), good), HasSubstr("no board of 8 x 7")) << "the wrong board";
-  s = good;
-  s.pictures[1].picture = Picture(360, 270);
-  EXPECT_THAT(refusal(board_of(9, 7), s), AllOf(HasSubstr("found in 2 pictures"), HasSubstr("picture2")));
-  s = good;
-  s.pictures[1].picture = Picture(100, 100);
-  EXPECT_THAT(refusal(board_of(9, 7), s), AllOf(HasSubstr("picture2"), HasSubstr("100 x 100")));
-  s = photograph_all(camera_,
-                     {where[0], facing(0.03, -0.02, 0.3, 1, 1, 64, hx, hy),
-                      facing(0.01, -0.04, -0.2, -1, 0, 66, hx, hy), facing(0.02, -0.03, 0, 0, 1, 60, hx, hy)},
-                     checkerboard(9, 7));
-  EXPECT_THAT(refusal(board_of(9, 7), s), AllOf(HasSubstr("same direction"), HasSubstr("tilted")));
 }
 
 }  // namespace

@@ -6,12 +6,30 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "vision/drawn_tags.h"
 #include "vision/recordings.h"
 #include "vision/tracker.h"
+
+// Tags as OpenCV itself draws them, by its interface before 4.8 and by that of 4.8 and later.
+
+namespace tribotrack::vision {
+
+/// One pixel a cell, with the tag's black border of one cell.
+template <class Dictionary>
+cv::Mat drawn_tag(const Dictionary& family, int id) {
+  cv::Mat cells;
+  const int side = family.markerSize + 2;
+  if constexpr (requires { family.drawMarker(id, side, cells, 1); })
+    family.drawMarker(id, side, cells, 1);
+  else
+    family.generateImageMarker(id, side, cells, 1);
+  return cells;
+}
+
+}  // namespace tribotrack::vision
 
 namespace tribotrack::vision {
 namespace {

@@ -10,7 +10,6 @@
 #include <string>
 
 #include "apps/browser.h"
-#include "apps/report/page/figures.h"
 #include "apps/report/tables/tables.h"
 #include "apps/report_sample.h"
 #include "apps/text/number_text.h"
@@ -24,6 +23,10 @@ using testing::HasSubstr;
 /// Not a matcher: those print the whole page, megabytes of it, when they fail.
 bool holds(const std::string& page, const std::string& text) {
   return page.find(text) != std::string::npos;
+}
+
+std::string page_of(const ReportData& data) {
+  return page_of(data, campaign_figures(data));
 }
 
 constexpr int figures_of_the_sample = 9;  // 4 dependences, trajectories, residuals, corner, influence, slide

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "apps/chromium.h"
+#include "apps/program.h"
 #include "apps/report_sample.h"
 
 namespace tribotrack::apps {
@@ -20,15 +20,6 @@ std::string parameters_of(const ReportData& data) {
 }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-TEST(FirstScreen, ValuesAsDescribedStandBesideThoseQuoted) {
-  ReportData data = sample::campaign();
-  EXPECT_THAT(first_screen(data, {}), Not(HasSubstr("as described")));
-  data.fit.as_assumed[fit::FitParameter::mu1] = {0.12, 0.001, {0.118, 0.122}};
-  const std::string html = first_screen(data, {});
-  EXPECT_THAT(html, HasSubstr("<th>as described, rejected</th>"));
-  EXPECT_THAT(html, HasSubstr("<td>0.1200(10)<br><span class=\"ends\">0.1180 to 0.1220</span></td></tr>"));
-}
 
 TEST(FirstScreen, SaysWhatTheValuesAssumeAndWhatToDoNext) {
   ReportData data = sample::campaign();
@@ -59,47 +50,7 @@ TEST(ParameterSection, OpenAndMissingIntervalsAreSaid) {
                         "<td class=\"n ends\">–</td><td>1</td>"));
 }
 
-TEST(ParameterSection, ABootstrapHasItsColumnAndItsSeed) {
-  ReportData data = sample::campaign();
-  for (fit::ParameterEstimate& p : data.fit.parameters) p.bootstrap_ci95 = p.ci95;
-  data.fit.bootstrap = {400, 7};
-  const std::string html = parameters_of(data);
-  EXPECT_THAT(html, HasSubstr("<th class=\"n\">by profile</th><th class=\"n\">by bootstrap</th>"));
-  EXPECT_THAT(html, HasSubstr("95 % of 400 refits to simulated data (seed 7)"));
-}
-
-TEST(ParameterSection, WhatTheDataLeaveOpenComesWithItsRemedy) {
-  ReportData data = sample::campaign();
-  data.fit.identifiability = {
-      fit::Verdict::not_identifiable, {"mu1 up 1 % is hidden by phase_lag_rad down 0.021."}, {}};
-  data.fit.next_experiment.reset();
-  data.fit.other_next_experiments.resize(1);
-  data.fit.other_next_experiments[0].sentence = "For mu1 film dtau = 3.";
-  data.fit.minima = {{}, {{}, 1.2, "Another minimum: mu1 = 0.154."}};
-  data.shared_scale = "14 recordings share one scale";
-  const std::string html = parameters_of(data);
-  EXPECT_THAT(html, HasSubstr("<li>μ₁ up 1 % is hidden by lag down 0.021.</li>"));
-  EXPECT_THAT(html, HasSubstr("<b>Remedy:</b> For μ₁ film Δτ = 3."));
-  EXPECT_THAT(html, HasSubstr("<h3>Other minima</h3>"));
-  EXPECT_THAT(html, HasSubstr("<p>14 recordings share one scale.</p>"));
-  for (const char* absent : {"bootstrap", "taken as known is wrong", "nan"})
-    EXPECT_THAT(html, Not(HasSubstr(absent)));
-  data.fit.minima.resize(6, {{}, 1.2, "Another minimum: mu1 = 0.2."});
-  EXPECT_EQ(occurrences(parameters_of(data), "<li>Another minimum"), 3u);
-  data.fit.dof = 0;
-  EXPECT_EQ(occurrences(parameters_of(data), "Another minimum"), 0u);
-}
-
-TEST(ParameterSection, IsLeftOutWithoutAFit) {
-  EXPECT_EQ(parameters_of(ReportData{}), "");
-}
-
-}  // namespace
-
-namespace {
-
 using sample::pi;
-using testing::HasSubstr;
 
 fit::NextExperiment run(double amplitude, std::optional<fit::FitParameter> aim = {}) {
   return {.phi = 1.5 * pi,
@@ -127,6 +78,55 @@ TEST(NextSection, TheIntervalsPredictedStandUnderThoseOfNow) {
   ASSERT_NE(now, std::string::npos);
   ASSERT_NE(then, std::string::npos) << html;
   EXPECT_LT(now, then);
+}
+
+ReportData one_run() {
+  ReportData data;
+  ReportRun run;
+  run.name = "a";
+  run.video = "a.cine";
+  run.phi_rad = sample::pi / 2;
+  run.dtau_rad = sample::pi / 3;
+  run.measured = {{"alpha_rad", {1.2345, 0.012}}, {"v_mm_s", {2.5, 0.05}}};
+  run.fitted.residuals = {{"alpha_rad", 1.2345, 1.23, 0.012, 0}, {"v_mm_s", 2.5, 2.51, 0.05, 0}};
+  run.cycles = 20;
+  run.track.frames = 11;
+  run.track.lost = 2;
+  run.track.edge = 1;
+  run.track.repeats = 1;
+  run.track.frame_rate_hz = 1000;
+  run.track.time_base = "camera header";
+  run.sigma_px = 0.0123;
+  data.runs = {run};
+  return data;
+}
+
+TEST(RunSection, RemarksOfOneCauseAreOneLine) {
+  ReportData data = one_run();
+  data.runs.push_back(data.runs[0]);
+  data.runs[1].name = "b";
+  data.runs[0].notes = {"a gap after frame 12", "no marker"};
+  data.runs[1].notes = {"a gap after frame 370"};
+  EXPECT_THAT(run_section(data).html,
+              HasSubstr("<ul><li>all 2 runs: a gap after frame 12 (in a; in the others "
+                        "likewise)</li><li>a: no marker</li></ul>"));
+}
+
+TEST(PictureSection, ThePathIsDrawnOverThePictureWithGaps) {
+  ReportData data = one_run();
+  ReportRun& run = data.runs[0];
+  run.first_frame = sample::kPng;
+  run.track.width_px = 64;
+  run.track.height_px = 48;
+  run.track.x_px = {no_value, 10, 11, no_value, 13, no_value};
+  run.track.y_px = {no_value, 20, 21, no_value, 23, no_value};
+  const std::string html = picture_section(data).html;
+  EXPECT_THAT(html, HasSubstr("viewBox=\"0 0 64 48\""));
+  // Pixel centres are at whole numbers: the picture's corner is (-0.5, -0.5).
+  EXPECT_THAT(html, HasSubstr("class=\"path\" d=\"M10.5 20.5L11.5 21.5M13.5 23.5\""));
+  EXPECT_THAT(html, HasSubstr("class=\"start\" cx=\"10.5\" cy=\"20.5\""));
+  EXPECT_THAT(html, HasSubstr("data:image/png;base64,iVBORw0KGgo"));
+  EXPECT_THAT(html, HasSubstr("φ = π/2, Δτ = π/3"));
 }
 
 }  // namespace
