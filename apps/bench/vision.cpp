@@ -1,10 +1,14 @@
 #include "apps/bench/vision.h"
 
 #include <fmt/format.h>
+#include <stdlib.h>
+#include <sys/resource.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -13,6 +17,7 @@
 
 #include "apps/bench/timing.h"
 #include "vision/cramer_rao_bound.h"
+#include "vision/frame_sink.h"
 #include "vision/scene.h"
 #include "vision/synthesis/camera.h"
 #include "vision/tracker.h"
@@ -29,11 +34,12 @@ class BenchScene {
   static constexpr double kMarker = 26, kMarkerRadius = 12;  ///< px
   static constexpr int kPoses = 125;                         ///< of one turn; they come again
 
-  /// `texture`: of the platform, grey levels rms; without it rests. The picture is as small as it can be.
-  BenchScene(double radius, double texture) {
+  /// `texture`: of the platform, grey levels rms; without it rests. The picture is as small as it can be, or
+  /// of the size given.
+  BenchScene(double radius, double texture, int width = 0, int height = 0) {
     const int reach = static_cast<int>(std::ceil(radius)) + 22;
-    scene_.width = 2 * reach + 61;
-    scene_.height = 2 * reach + 1;
+    scene_.width = std::max(width, 2 * reach + 61);
+    scene_.height = std::max(height, 2 * reach + 1);
     scene_.disc.radius_px = radius;
     scene_.disc.edge_blur_px = 0.7;
     scene_.disc.scratches = 0;
@@ -42,6 +48,7 @@ class BenchScene {
     scene_.marker = MarkerAppearance{{kMarker, kMarker}, kMarkerRadius};
   }
 
+  const Scene& scene() const { return scene_; }
   double texture() const { return scene_.platform.texture_rms; }
   ScenePose pose(int frame) const {
     const double turn = 2 * std::numbers::pi * (frame % kPoses) / kPoses;
@@ -309,6 +316,60 @@ ComparedRow judge(const Finding& finding, const BenchScene& scene, double noise,
   return row;
 }
 
+/// CPU time of the processes that have ended, user and system, s.
+double seconds_of_children() {
+  rusage used{};
+  ::getrusage(RUSAGE_CHILDREN, &used);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
+/// `tribotrack track` from the start of its process to its end, and a peer that decodes and matches, in turns
+/// on one recording: medians of three.
+void time_whole_commands(const WholeCommands& whole, double texture, Comparison& comparison) {
+  constexpr double kNoise = 2, kRate = 1000;
+  const BenchScene scene(whole.radius, texture, whole.width, whole.height);
+  std::string folder = (std::filesystem::temp_directory_path() / "tribotrack-bench-XXXXXX").string();
+  if (!::mkdtemp(folder.data())) throw InputError(folder + " cannot be made; make room, or set TMPDIR");
+  const std::string file = folder + "/recording.cine";
+  SinkOptions recording;
+  recording.width = whole.width;
+  recording.height = whole.height;
+  recording.frame_rate_hz = kRate;
+  const auto sink = create_sink(file, recording);
+  const SceneRenderer renderer(scene.scene());
+  for (int k = 0; k < whole.frames; ++k)
+    sink->write(recorded(renderer.render_exact(0, 0, scene.at(k)), kNoise, k));
+  sink->close();
+  const Circle part = scene.part(0), marker = scene.marker(0);
+  const std::string command = fmt::format(
+      "'{}' track {} --disc {:.4f},{:.4f},{:g} --marker {:.4f},{:.4f},{:g} --threads 1 -q -o {}/track.csv "
+      ">/dev/null 2>&1",
+      whole.program.string(), file, part.x, part.y, part.radius, marker.x, marker.y, marker.radius, folder);
+  Finding ours, peer;
+  std::vector<double> of_ours, of_peer;
+  for (int turn = 0; turn < 3; ++turn) {
+    const double before = seconds_of_children();
+    if (std::system(command.c_str()) != 0) throw std::runtime_error(command + " failed");
+    of_ours.push_back((seconds_of_children() - before) / whole.frames);
+    const auto source = open_source(file);
+    peer = follow_as_others_do<Matching>("windowed cv::matchTemplate", *source, scene);
+    of_peer.push_back(peer.time);
+    if (turn == 0) ours = track_as_users_do(*source, scene);
+  }
+  std::filesystem::remove_all(folder);
+  ours.time = upper_median(of_ours);
+  peer.time = upper_median(of_peer);
+  for (const Finding& finding : {ours, peer}) {
+    comparison.rows.push_back(judge(finding, scene, kNoise, scene.bound(kNoise)));
+    comparison.rows.back().group = "whole command";
+    comparison.rows.back().scene +=
+        fmt::format(", {} frames of {} x {}", whole.frames, whole.width, whole.height);
+  }
+}
+
 }  // namespace
 
 VisionBenchOptions quick_vision_options() {
@@ -317,6 +378,7 @@ VisionBenchOptions quick_vision_options() {
   options.textures = {0, 10};
   options.noises = {3};
   options.frames = 250;
+  options.whole = {{}, 320, 200, 20, 24};
   return options;
 }
 
@@ -328,7 +390,9 @@ Comparison bench_vision(const VisionBenchOptions& options) {
       "x limit",
       "CPU time of a frame",
       "truth of analytically rendered pictures; the limit is the Cramer-Rao bound with everything "
-      "but the position known, the 1/12 of rounding included"};
+      "but the position known, the 1/12 of rounding included; a whole command's time is ours from start to "
+      "end of "
+      "its process, the peer's decodes and matches"};
   const int total = static_cast<int>(options.radii.size() * options.textures.size() * options.noises.size());
   int done = 0;
   for (const double radius : options.radii)
@@ -349,6 +413,8 @@ Comparison bench_vision(const VisionBenchOptions& options) {
         if (options.progress) options.progress(++done, total);
       }
     }
+  if (!options.whole.program.empty())
+    for (const double texture : {0.0, 10.0}) time_whole_commands(options.whole, texture, comparison);
   return comparison;
 }
 

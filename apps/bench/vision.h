@@ -3,6 +3,7 @@
 // Measurements of this machine now: the times, not the errors, change from call to call.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <vector>
 
@@ -10,11 +11,20 @@
 
 namespace tribotrack::bench {
 
+/// A recording on which `track` is timed as a whole command.
+struct WholeCommands {
+  std::filesystem::path program;  ///< tribotrack; empty: none is timed
+  int width = 1280, height = 800;
+  double radius = 60;  ///< px
+  int frames = 405;
+};
+
 struct VisionBenchOptions {
   std::vector<double> radii{10, 30, 60, 150, 200};  ///< px
   std::vector<double> textures{0, 5, 10, 20};       ///< of the platform, grey levels rms
   std::vector<double> noises{1, 3, 8};              ///< grey levels, the 1/12 of rounding not included
   int frames = 1050;                                ///< of a recording
+  WholeCommands whole;
   std::function<void(int done, int total)> progress;
 };
 /// A few frames of one small disc: shows that it works.
@@ -26,7 +36,8 @@ VisionBenchOptions quick_vision_options();
 /// told where part and marker lie. The error is the rms over the Cramer-Rao bound with everything but the
 /// position known, the time that of one thread a frame. Details: rms_px, bound_px, lost, components (two for
 /// each frame that counts) and, of ours, standardised (rms of the errors over their own standard deviations:
-/// 1 where these are true) and layered (what the plan chose); of others these are NaN.
+/// 1 where these are true) and layered (what the plan chose); of others these are NaN. The last rows are
+/// whole commands over a plain and a textured platform.
 Comparison bench_vision(const VisionBenchOptions& options = {});
 
 }  // namespace tribotrack::bench

@@ -94,7 +94,8 @@ void run_bench(const BenchOptions& asked, const Context& context) {
   const auto wanted = [&](const char* what) { return asked.what == "all" || asked.what == what; };
   if (wanted("model")) bench_of_model(asked, context, results);
   if (wanted("vision")) {
-    const auto options = asked.quick ? bench::quick_vision_options() : bench::VisionBenchOptions();
+    auto options = asked.quick ? bench::quick_vision_options() : bench::VisionBenchOptions();
+    options.whole.program = fs::read_symlink("/proc/self/exe");
     results.comparisons.push_back(measured("bench vision", options, context, bench::bench_vision));
   }
   if (wanted("fit")) {
@@ -124,13 +125,14 @@ void add_bench(CLI::App& app, Context& context) {
       .add_option(
           "WHAT", options->what,
           "model: integrators, the table of extremes, what omissions save (a minute); vision: trackers on "
-          "rendered recordings, beside the physical limit (half an hour); fit: ours "
+          "rendered recordings, beside the physical limit, and whole commands (half an hour); fit: ours "
           "beside descents with differences, and coverage (some minutes, on all cores); coverage: how often "
           "the intervals of simulated campaigns of ten designs hold; all")
       ->check([](const std::string& what) {
-        return what == "scale" || what == "commands"
-                   ? fmt::format("`bench {}` is no longer there: time commands on inputs of your own", what)
-                   : std::string();
+        return what == "scale" ? "`bench scale` is no longer there: time commands on inputs of your own"
+               : what == "commands"
+                   ? "`bench commands` is no longer there: `bench vision` times whole commands"
+                   : "";
       })
       ->check(one_of({"model", "vision", "fit", "coverage", "all"}))
       ->required();
