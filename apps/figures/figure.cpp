@@ -243,6 +243,7 @@ Json plotly_json(const Figure& figure) {
       drawn.update({{"xaxis", "x" + n}, {"yaxis", "y" + n}});
     }
   }
+  if (!figure.colour_bar.is_null()) json["data"].push_back(figure.colour_bar);
   return json;
 }
 

@@ -32,10 +32,14 @@ struct Figure {
   std::string alternative = {};
   int columns = 1;  ///< of panels, row by row
   std::vector<Panel> panels = {};
+  Json colour_bar = {};   ///< colour_bar(); null: none
   bool shared_x = false;  ///< panels of a column share their x axis
   double height = 0.62;   ///< over width
   double width = 1;       ///< of the text's, on a wide screen
 };
+
+/// The most entries of a legend; more groups are told apart by a colour scale.
+inline constexpr std::size_t kMostInLegend = 8;
 
 using Values = std::vector<double>;
 using Notes = std::vector<std::string>;
@@ -48,8 +52,9 @@ inline constexpr int kInk = -1;   ///< the colour of the text
 inline constexpr int kGrey = -2;  ///< in the background
 
 struct Look {
-  int colour = 0;       ///< of the palette, or kInk, kGrey
-  bool legend = false;  ///< one of those that share the name
+  int colour = 0;          ///< of the palette, or kInk, kGrey
+  double on_ramp = kNone;  ///< 0 to 1: on the colour scale instead
+  bool legend = false;     ///< one of those that share the name
   bool dashed = false;
   bool small = false;  ///< dots for many points, a thin line
   bool large = false;  ///< dots that stand out among others
@@ -90,6 +95,9 @@ Json hidden(Json axis);
 
 Json stripe(double low, double high);
 Json span(double low, double high);
+
+/// What Look::on_ramp means: 0 is `low`. `ticks`: an axis with such ends, and perhaps ticks.
+Json colour_bar(const std::string& title, const Json& ticks);
 
 }  // namespace plot
 

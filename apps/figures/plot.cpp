@@ -24,7 +24,26 @@ constexpr const char *kInkColour = "#1a1a1a", *kGreyColour = "#666666", *kPaper 
                      *kStripe = "#ededed";
 constexpr const char *kFaded = "38", *kFainter = "2e";  // behind six digits of a colour: 0.22, 0.18
 
+/// Cividis.
+constexpr std::array<std::array<int, 3>, 5> kRamp = {
+    {{0x00, 0x22, 0x4e}, {0x35, 0x45, 0x6c}, {0x7c, 0x7b, 0x78}, {0xbc, 0xaf, 0x6f}, {0xfe, 0xe8, 0x38}}};
+
+std::string on_ramp(double share) {
+  const double place = std::clamp(share, 0.0, 1.0) * static_cast<double>(kRamp.size() - 1);
+  const auto k = std::min(static_cast<std::size_t>(place), kRamp.size() - 2);
+  std::string colour = "#";
+  for (std::size_t c = 0; c < 3; ++c)
+    colour += fmt::format(
+        "{:02x}", std::lround(std::lerp(kRamp[k][c], kRamp[k + 1][c], place - static_cast<double>(k))));
+  return colour;
+}
+
+bool ramped(const plot::Look& look) {
+  return !std::isnan(look.on_ramp);
+}
+
 std::string colour_of(const plot::Look& look) {
+  if (ramped(look)) return on_ramp(look.on_ramp);
   if (look.colour == plot::kInk) return kInkColour;
   if (look.colour == plot::kGrey) return kGreyColour;
   return kColours[static_cast<std::size_t>(look.colour) % kColours.size()];
@@ -46,15 +65,17 @@ namespace plot {
 
 Json points(const std::string& name, const Values& x, const Values& y, const Look& look, const Notes& notes,
             const Values& sd) {
+  const bool dots = look.small || ramped(look);
   Json json = trace(name, x, y, look);
   json["mode"] = "markers";
   json["marker"] = {
       {"color", colour_of(look)},
       {"symbol", kSymbols[look.colour < 0 ? 0 : static_cast<std::size_t>(look.colour) % kSymbols.size()]},
-      {"size", look.small   ? 3
-               : look.large ? 11
-                            : 7.5},
-      {"line", {{"color", kPaper}, {"width", look.small ? 0 : 0.8}}}};
+      {"size", look.small     ? 3
+               : ramped(look) ? 5
+               : look.large   ? 11
+                              : 7.5},
+      {"line", {{"color", kPaper}, {"width", dots ? 0 : 0.8}}}};
   json["hovertemplate"] =
       hover_text(notes.empty() ? name : "%{text}",
                  sd.empty() ? "%{x:.5g}, %{y:.5g}" : "%{x:.5g}, %{y:.5g} ± %{customdata:.2g}");
@@ -73,7 +94,7 @@ Json line(const std::string& name, const Values& x, const Values& y, const Look&
   json["mode"] = "lines";
   json["hovertemplate"] = hover_text(name, "%{x:.5g}, %{y:.5g}");
   json["line"] = {{"color", colour_of(look)},
-                  {"width", look.small ? 1.1 : 1.9},
+                  {"width", look.small || ramped(look) ? 1.1 : 1.9},
                   {"dash", look.dashed ? "dash" : "solid"},
                   {"simplify", false}};
   return json;
@@ -206,6 +227,24 @@ Json stripe(double low, double high) {
 
 Json span(double low, double high) {
   return rectangle("x", low, high, "y domain", 0, 1, std::string(kColours[1]) + kFainter);
+}
+
+Json colour_bar(const std::string& title, const Json& ticks) {
+  Json bar =
+      Json::parse(R"({"orientation": "h", "title": {"side": "top", "font": {"size": 12}}, "thickness": 10,
+                             "len": 0.8, "x": 0.5, "y": 0, "yanchor": "top", "ypad": 6, "outlinewidth": 0})");
+  bar["title"]["text"] = title;
+  for (const char* key : {"tickvals", "ticktext"})
+    if (ticks.contains(key)) bar[key] = ticks[key];
+  Json json = Json::parse(R"({"x": [null], "y": [null], "mode": "markers", "showlegend": false,
+                              "hoverinfo": "skip", "marker": {"showscale": true, "colorscale": []}})");
+  Json& marker = json["marker"];
+  for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0})
+    marker["colorscale"].push_back({share, on_ramp(share)});
+  marker["colorbar"] = bar;
+  marker["cmin"] = marker["color"][0] = ticks.at("range")[0];
+  marker["cmax"] = ticks.at("range")[1];
+  return json;
 }
 
 }  // namespace plot

@@ -137,7 +137,8 @@ const TribotrackFigures = (function () {
   function picture(shown, width, height, legend) {
     const figure = stacks(shown, width) ? stacked(shown) : shown;
     const narrow = width < NARROW;
-    const below = legend ? 40 : 0, area = height - below;
+    const bar = figure.data.some(function (trace) { return trace.marker && trace.marker.showscale; });
+    const below = bar ? 62 : legend ? 40 : 0, area = height - below;
     const cells = cells_of(figure, width, area);
     const layout = {
       width: width, height: height, margin: { l: 0, r: 0, t: 0, b: below, pad: 0 }, hovermode: "closest",

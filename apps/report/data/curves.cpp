@@ -14,6 +14,8 @@
 namespace tribotrack::apps {
 namespace {
 
+constexpr std::size_t kFewGroups = 8;  // more curves than that are drawn with fewer points each
+
 /// In SI; nullopt where a parameter is not determined: then there is no band.
 std::optional<fit::FittedParameters> known_parameters(const fit::FitResult& fit) {
   const auto n = static_cast<Eigen::Index>(fit.parameters.size());
@@ -76,7 +78,7 @@ void add_curves(ReportData& data, long most_steps) {
   const std::optional<fit::FittedParameters> known = known_parameters(data.fit);
   data.over_phi = groups_over(Over::phi, data.runs);
   data.over_dtau = groups_over(Over::dtau, data.runs);
-  constexpr int points = 121;
+  const int points = data.over_phi.size() > kFewGroups || data.over_dtau.size() > kFewGroups ? 91 : 241;
   const auto all_points = static_cast<long>(data.over_phi.size() + data.over_dtau.size()) * points;
   const long share = most_steps / std::max(1L, all_points);
   std::size_t left_out = 0;

@@ -98,16 +98,21 @@ Json alpha_axis(const std::vector<Json>& traces) {
 }
 
 Figure figure_of(const ReportData& data, const Dependence& which, const std::vector<ReportGroup>& groups) {
+  const bool many = groups.size() > kMostInLegend;
   Figure figure{.id = which.id, .title = which.title, .shared_x = true, .height = 0.86};
   if (*which.place) figure.title += fmt::format(" ({})", which.place);
+  Values shared;
+  for (const ReportGroup& group : groups) shared.push_back(group.shared_rad);
+  const Range scale = range_of(shared);
   Panel main, below;
   Values xs, measured_at;
   double largest = 3;  // residual
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    const std::string name = (which.over_phi ? "Δτ = " : "φ = ") + angle(groups[g].shared_rad);
+    const std::string name = many ? "" : (which.over_phi ? "Δτ = " : "φ = ") + angle(shared[g]);
     plot::Look look{.colour = static_cast<int>(g)};
+    if (many) look.on_ramp = (shared[g] - scale.low) / scale.size();
     const AngleCurve curve = curve_of(groups[g], which);
-    if (std::ranges::any_of(curve.half, [](double half) { return half > 0; })) {
+    if (!many && std::ranges::any_of(curve.half, [](double half) { return half > 0; })) {
       Values low = curve.y, high = curve.y;
       for (std::size_t i = 0; i < curve.half.size(); ++i) {
         low[i] -= curve.half[i];
@@ -119,7 +124,7 @@ Figure figure_of(const ReportData& data, const Dependence& which, const std::vec
     const Measured points = measured(data, groups[g], which);
     if (std::ranges::any_of(points.residual, [](double y) { return std::isfinite(y); }))
       below.traces.push_back(plot::points(name, points.x, points.residual, look, points.notes));
-    look.legend = true;
+    look.legend = !many;
     main.traces.push_back(plot::points(name, points.x, points.y, look, points.notes, points.sd));
     xs.insert(xs.end(), points.x.begin(), points.x.end());
     xs.insert(xs.end(), curve.x.begin(), curve.x.end());
@@ -146,11 +151,17 @@ Figure figure_of(const ReportData& data, const Dependence& which, const std::vec
     main.x = plot::hidden(main.x);
     figure.panels = {main, below};
   }
+  if (many)
+    figure.colour_bar = plot::colour_bar(which.over_phi ? "pulse width Δτ, rad" : "phase shift φ, rad",
+                                         plot::angle_axis("", scale.low, scale.high));
   figure.caption =
       which.of_alpha && which.over_phi
           ? "α: counter-clockwise from the platform’s x axis; it starts again at 0 after a full turn."
       : which.over_phi ? "On a true circle the model’s steady velocity does not depend on φ."
                        : "";
+  if (many)
+    figure.caption +=
+        " Colour tells the value that a group shares; bands, which would cover each other, are left out.";
   std::size_t runs = 0;
   for (const ReportGroup& group : groups) runs += group.runs.size();
   figure.alternative =

@@ -57,7 +57,7 @@ TEST(ReportCurves, AreTheModelAtEachPoint) {
 // Friction so low that a cycle forgets little of the one before: each point takes tens of thousands of steps.
 TEST(ReportCurves, PointsThatTakeTooLongAreLeftOutAndSaid) {
   ReportData data = two_runs(scenario(1e-5, 1e-6, 5000));
-  constexpr long few = 121 * 100;
+  constexpr long few = 241 * 100;
   add_curves(data, few);
   ASSERT_EQ(data.over_dtau.size(), 1u);
   const ReportGroup& curve = data.over_dtau.front();

@@ -88,6 +88,25 @@ TEST(Dependence, BelowStandTheResidualsInStandardDeviations) {
   EXPECT_NEAR(path_of(first(dependence_figures(data)[0].panels[1], "markers")).y[0], 1, 1e-9);
 }
 
+TEST(Dependence, MoreGroupsThanALegendHoldsAreToldApartByColour) {
+  ReportData data = sample::campaign();
+  const ReportGroup group = data.over_phi[0];
+  for (int k = 1; k < 12; ++k) {
+    data.over_phi.push_back(group);
+    data.over_phi.back().shared_rad += 0.1 * k;
+  }
+  const Figure figure = dependence_figures(data)[0];
+  const Json& scale = figure.colour_bar["marker"];
+  EXPECT_NEAR(scale["cmax"].get<double>() - scale["cmin"].get<double>(), 1.1, 1e-12);
+  for (const Panel& panel : figure.panels)
+    for (const Json& trace : panel.traces) {
+      EXPECT_FALSE(trace["showlegend"]);
+      EXPECT_FALSE(trace.contains("fill"));
+    }
+  EXPECT_EQ(first(figure.panels[0], "lines")["line"]["color"], scale["colorscale"][0][1]);
+  EXPECT_EQ(figure.panels[0].traces.back()["marker"]["color"], scale["colorscale"].back()[1]);
+}
+
 }  // namespace
 
 // The figures besides those of alpha and v: trajectories, residuals, parameters, single runs.
