@@ -11,8 +11,7 @@
 #include "apps/pipeline/line.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
-#include "apps/recording/check.h"
-#include "apps/recording/record.h"
+#include "apps/recording/recording.h"
 #include "apps/recording/track.h"
 
 namespace tribotrack::apps {

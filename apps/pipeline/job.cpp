@@ -11,7 +11,7 @@
 #include "apps/campaign/conditions.h"
 #include "apps/files/run_folder.h"
 #include "apps/program/errors.h"
-#include "apps/recording/check.h"
+#include "apps/recording/recording.h"
 #include "apps/text/output_file.h"
 #include "apps/text/strict_toml.h"
 #include "vision/frame_sink.h"
