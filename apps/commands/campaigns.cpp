@@ -12,7 +12,7 @@
 #include "apps/files/run_folder.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/pipeline/campaign_runner.h"
-#include "apps/pipeline/fit_campaign.h"
+#include "apps/pipeline/line.h"
 #include "apps/pipeline/manifest.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"

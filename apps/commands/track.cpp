@@ -15,7 +15,7 @@
 #include "apps/files/run_folder.h"
 #include "apps/files/tracks/any_track.h"
 #include "apps/measuring/measure_text.h"
-#include "apps/pipeline/job.h"
+#include "apps/pipeline/line.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/recording/recording.h"

@@ -11,7 +11,7 @@
 
 #include "apps/campaign/fit_json.h"
 #include "apps/files/tracks/any_track.h"
-#include "apps/pipeline/job.h"
+#include "apps/pipeline/line.h"
 #include "apps/pipeline/manifest.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
