@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 
-#include "apps/campaign/fit_json.h"
 #include "apps/campaign/fit_stage.h"
 #include "apps/commands/command.h"
 #include "apps/figures/printed.h"

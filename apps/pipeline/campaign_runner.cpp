@@ -9,7 +9,7 @@
 #include <ctime>
 #include <utility>
 
-#include "apps/campaign/fit_json.h"
+#include "apps/campaign/fit_stage.h"
 #include "apps/files/tracks/any_track.h"
 #include "apps/pipeline/line.h"
 #include "apps/pipeline/manifest.h"
