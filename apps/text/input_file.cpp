@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/locale/utf.hpp>
 #include <cerrno>
 #include <fstream>
 #include <limits>
@@ -175,20 +176,6 @@ void InputState::require_unchanged() const {
 
 namespace {
 
-/// Bytes of the UTF-8 character that begins here; 0 where none does.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
-  const std::size_t length = byte(0) < 0x80                       ? 1
-                             : byte(0) >= 0xc2 && byte(0) < 0xe0  ? 2
-                             : byte(0) >= 0xe0 && byte(0) < 0xf0  ? 3
-                             : byte(0) >= 0xf0 && byte(0) <= 0xf4 ? 4
-                                                                  : 0;
-  if (length == 0 || length > text.size()) return 0;
-  for (std::size_t k = 1; k < length; ++k)
-    if ((byte(k) & 0xc0) != 0x80) return 0;
-  return length;
-}
-
 /// By the first bytes: Phantom, MP4 and MOV, AVI, Matroska.
 bool is_recording(std::string_view text) {
   return text.starts_with("CI") || text.substr(std::min<std::size_t>(4, text.size()), 4) == "ftyp" ||
@@ -214,14 +201,14 @@ std::string encoding_slip(std::string_view text) {
                ? ": is a recording; name it as `video` in a campaign (`tribotrack init DIR` writes one)"
                : ": is no text file; check its name";
   std::size_t line = 1, column = 1;
-  for (std::size_t place = 0; place < text.size(); ++column) {
-    const std::size_t length = utf8_length(text.substr(place));
-    if (length == 0)
+  for (const char* at = text.data(); at != text.data() + text.size(); ++column) {
+    using Utf8 = boost::locale::utf::utf_traits<char>;
+    const auto character = Utf8::decode(at, text.data() + text.size());
+    if (character == boost::locale::utf::illegal || character == boost::locale::utf::incomplete)
       return fmt::format(
           ":{}:{}: the character here is not UTF-8 (an umlaut or a sign in Latin-1?); save it as UTF-8", line,
           column);
-    if (text[place] == '\n') ++line, column = 0;
-    place += length;
+    if (character == '\n') ++line, column = 0;
   }
   return "";
 }
