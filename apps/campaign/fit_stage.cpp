@@ -10,16 +10,21 @@
 #include <utility>
 
 #include "apps/campaign/compared_runs.h"
-#include "apps/campaign/fit_json.h"
 #include "apps/campaign/slips.h"
 #include "apps/files/run_folder.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
+#include "apps/text/number_text.h"
 #include "apps/text/output_file.h"
+#include "fit/fit_result_json.h"
 #include "fit/rounding.h"
 
 namespace tribotrack::apps {
 
+namespace {
+
+/// mm/px that the fit parameter `scale` is a factor on: the mean over the runs with a video; 1 where there is
+/// none.
 double reference_mm_per_px(const std::vector<Run>& runs) {
   double sum = 0;
   int count = 0;
@@ -30,10 +35,6 @@ double reference_mm_per_px(const std::vector<Run>& runs) {
     }
   return count > 0 ? sum / count : 1;
 }
-
-namespace {
-
-using fit::FitParameter;
 
 void add_run(const Campaign& campaign, const Run& run, fit::Problem& problem) {
   const std::string& name = run.given.name;
@@ -76,6 +77,90 @@ fit::Problem problem_of(const Campaign& campaign, const std::vector<Run>& runs,
 }
 
 namespace {
+
+/// What was given and measured of a run, before what the fit says of it.
+Json run_json(const Run& analysed) {
+  const CampaignRun& run = analysed.given;
+  Json json = {{"name", run.name}, {"kind", run.free_slide ? "free_slide" : "pulses"}};
+  if (!analysed.failure.empty()) {
+    json["failure"] = analysed.failure;
+    return json;
+  }
+  if (!run.free_slide) {
+    const auto& gate = analysed.gate;
+    json["phi_rad"] = analysed.scenario.friction.phase;
+    json["dtau_rad"] = analysed.scenario.friction.pulse_width;
+    json["phi_from"] = gate && analysed.gate_reference != "command" ? gate->source : "commanded";
+    if (gate) {
+      json["phi_rad_sd"] = gate->phi.sd;
+      json["dtau_rad_sd"] = gate->dtau.sd;
+      json["commanded"] = {{"phi_rad", run.phi}, {"dtau_rad", run.dtau}};
+    }
+  }
+  if (run.slope) {
+    json["slope_rad"] = *run.slope;  // "scenario" is that of a level platform on which the part moves alike
+    json["slope_rad_sd"] = optional_json(run.slope_sd);
+  }
+  if (!analysed.repeats.empty()) json["repeats"] = analysed.repeats;
+  json["observables"] = Json::array();
+  return json;
+}
+
+/// What phi counts from, and with it the effect of a turned camera on the lag. Empty without pulses.
+std::string phase_reference(const Campaign& campaign, const std::vector<Run>& runs) {
+  std::size_t by_camera = 0, by_sensor = 0;
+  for (const Run& run : runs) {
+    if (!run.failure.empty() || run.given.free_slide || !run.measurement) continue;
+    if (run.measurement->phase_source == "assumed 0") continue;
+    ++(run.gate_reference == "camera" ? by_camera : by_sensor);
+  }
+  if (by_camera + by_sensor == 0) return "";
+  if (by_sensor == 0)
+    return "phi was measured in the camera's own phase in every run: the lag does not depend on how the "
+           "camera "
+           "is turned.";
+  return fmt::format(
+      "phi counts from the phase sensor in {} of {} runs (commanded, or from an oscilloscope not tied to the "
+      "camera): there an angle between the picture's x axis and the platform's displacement at the sensor's "
+      "pulse, beyond xi_axis_rad = {:.4g}, biases the phase lag one to one. A gate LED in the picture "
+      "(gate_px) removes it.",
+      by_sensor, by_camera + by_sensor, campaign.camera.xi_axis_rad);
+}
+
+/// From the fit, the campaign file and each run's measurement.
+std::vector<std::string> warnings_of(const Campaign& campaign, const std::vector<Run>& runs,
+                                     const fit::FitResult& result) {
+  std::vector<std::string> warnings = repeated_text(runs);
+  warnings.insert(warnings.end(), result.warnings.begin(), result.warnings.end());
+  warnings.insert(warnings.end(), campaign.warnings.begin(), campaign.warnings.end());
+  const auto estimated =
+      std::ranges::count_if(runs, [](const Run& run) { return run.track && run.track->sd_from_scatter; });
+  if (estimated > 0)
+    warnings.push_back(fmt::format(
+        "{} of {} runs are tracks without standard deviations: they are estimated from the scatter from "
+        "point to point, and the intervals do not count errors slower than that",
+        estimated, runs.size()));
+  for (const Run& run : runs)
+    if (run.measurement)
+      warnings.insert(warnings.end(), run.measurement->warnings.begin(), run.measurement->warnings.end());
+  return warnings;
+}
+
+/// The object of fit.json. Parameters stand in campaign units, as their names say.
+Json fit_json(const Campaign& campaign, const std::vector<Run>& runs, const fit::FitResult& result) {
+  Json json = fit::in_key_units(result, reference_mm_per_px(runs));
+  const Json fitted = std::exchange(json["runs"], Json::array());
+  for (const Run& run : runs) {
+    Json entry = run_json(run);
+    for (const Json& one : fitted)
+      if (one["name"] == entry["name"] && run.failure.empty()) entry.update(one);
+    json["runs"].push_back(entry);
+  }
+  json["warnings"] = warnings_of(campaign, runs, result);
+  json["phase_reference"] = phase_reference(campaign, runs);
+  if (!campaign.notes.empty()) json["notes"] = campaign.notes;
+  return json;
+}
 
 /// What a lossy coder does to the parameters.
 std::string coding_sentence(const fit::FitResult& result) {
@@ -143,8 +228,7 @@ void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& c
   note_fewer_cycles(fitted.runs, context);
 }
 
-MetaFile write_fit(const std::filesystem::path& path, const Campaign& campaign,
-                   const FittedCampaign& fitted) {
+void write_fit(const std::filesystem::path& path, const Campaign& campaign, const FittedCampaign& fitted) {
   MetaFile meta;
   meta.command = "fit";
   meta.inputs = {campaign.input};
@@ -153,17 +237,12 @@ MetaFile write_fit(const std::filesystem::path& path, const Campaign& campaign,
     if (run.failure.empty()) meta.inputs.insert(meta.inputs.end(), run.inputs.begin(), run.inputs.end());
   meta.configuration = campaign.effective_configuration();
   write_result(path, text_of(fitted.json), meta);
-  return meta;
 }
 
 namespace {
 
-std::string chi2_text(const fit::FitResult& result) {
-  return fmt::format("chi2 {:.4g} at {} degrees of freedom", result.chi2, result.dof);
-}
-
-}  // namespace
-
+/// "mu1 = 0.0995(10), ...": what the fit says of a campaign taken at its word, where the values quoted are
+/// not.
 std::string as_described(const fit::FitResult& result) {
   std::string text;
   for (const fit::ParameterEstimate& p : result.parameters)
@@ -172,6 +251,19 @@ std::string as_described(const fit::FitResult& result) {
                           fit::quoted(as->second.estimate, as->second.sd));
   return text;
 }
+
+/// Why a fit is unusable, and what to do: one sentence for each thing the data do not determine, and the run
+/// to film next. Empty for a usable one.
+std::vector<std::string> remedies(const fit::FitResult& result) {
+  if (result.usable()) return {};
+  std::vector<std::string> sentences = result.identifiability.weak_directions;
+  if (result.next_experiment) sentences.push_back(result.next_experiment->sentence);
+  for (const fit::NextExperiment& next : result.other_next_experiments)
+    if (!result.next_experiment) sentences.push_back(next.sentence);
+  return sentences;
+}
+
+}  // namespace
 
 std::vector<Reservation> reservations(const Campaign& campaign, const FittedCampaign& fitted,
                                       const std::string& look_at) {
@@ -185,7 +277,8 @@ std::vector<Reservation> reservations(const Campaign& campaign, const FittedCamp
         {kQualityGate,
          fmt::format("{}: the data reject the campaign as it is described ({}); these values hold "
                      "under {}; as described: {}",
-                     campaign.file.string(), chi2_text(result),
+                     campaign.file.string(),
+                     fmt::format("chi2 {:.4g} at {} degrees of freedom", result.chi2, result.dof),
                      fmt::format("{}", fmt::join(result.quoted_under, ", and ")), as_described(result)),
          {}});
   if (!result.usable())
@@ -207,6 +300,50 @@ void report_fit(const Campaign& campaign, const FittedCampaign& fitted, bool exp
     for (const std::string& sentence : reservation.remedies) print_error("  " + sentence);
     context.exit_code = reservation.exit_code;
   }
+}
+
+namespace {
+
+/// "not determined", "-" without a finite sd.
+std::string estimate_and_sd(double estimate, double sd) {
+  return fmt::format("{:>14}{:>12}", std::isfinite(sd) ? rounded_to_sd(estimate, sd) : "not determined",
+                     std::isfinite(sd) ? rounded_to_sd(sd, sd) : "-");
+}
+
+}  // namespace
+
+std::string parameter_table(const Json& fit) {
+  std::string table =
+      fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}\n", "parameter", "estimate", "sd", "ci95_low", "ci95_high");
+  const auto result = fit.get<fit::FitResult>();
+  for (const fit::ParameterEstimate& p : result.parameters) {
+    const auto end = [&](double value) { return rounded_end(value, p.ci95.low, p.ci95.high, p.sd); };
+    table += fmt::format("{:<26}{}{:>14}{:>14}", fit::to_string(p.parameter),
+                         estimate_and_sd(p.estimate, p.sd), end(p.ci95.low), end(p.ci95.high));
+    for (std::size_t i = 0; i < p.ci95_pieces.size(); ++i)
+      table += fmt::format("{}{} to {}", i > 0 ? " or " : "  ", end(p.ci95_pieces[i].low),
+                           end(p.ci95_pieces[i].high));
+    table += "\n";
+  }
+  if (!result.as_assumed.empty()) table += "as described: " + as_described(result) + "\n";
+  return table + result.verdict_text() + "\n";
+}
+
+std::string slide_table(const Json& fit) {
+  const std::vector<fit::SlideResult> slides = fit.get<fit::FitResult>().slides;
+  if (slides.empty()) return "";
+  std::string table = fmt::format("{:<26}{:>14}{:>12}{:>14}{:>14}{:>12}{:>12}{:>8}\n", "slide", "mu1", "sd",
+                                  "ci95_low", "ci95_high", "edge/speed", "chi2", "dof");
+  for (const fit::SlideResult& s : slides)
+    table += fmt::format("{:<26}{}{:>14}{:>14}{:>12}{:>12.4g}{:>8}\n", s.run,
+                         estimate_and_sd(s.mu1.value, s.mu1.sd),
+                         rounded_end(s.ci95.low, s.ci95.low, s.ci95.high, s.mu1.sd),
+                         rounded_end(s.ci95.high, s.ci95.low, s.ci95.high, s.mu1.sd),
+                         s.slope != 0  ? "incline"
+                         : s.spin_seen ? rounded_to_sd(s.spin_ratio.value, s.spin_ratio.sd)
+                                       : "unseen",
+                         s.chi2, s.dof);
+  return table;
 }
 
 }  // namespace tribotrack::apps

@@ -14,6 +14,7 @@
 #include "apps/run/run.h"
 #include "apps/text/json.h"
 #include "fit/estimate.h"
+#include "fit/fit_result.h"
 #include "fit/problem.h"
 
 namespace tribotrack::apps {
@@ -21,10 +22,6 @@ namespace tribotrack::apps {
 /// The least-squares problem of all runs that did not fail.
 fit::Problem problem_of(const Campaign& campaign, const std::vector<Run>& runs,
                         const SharedConditions& shared);
-
-/// mm/px that the fit parameter `scale` is a factor on: the mean over the runs with a video; 1 where there is
-/// none.
-double reference_mm_per_px(const std::vector<Run>& runs);
 
 /// A campaign as far as it got: its runs, what they share as found before the fit, and the fit.
 struct FittedCampaign {
@@ -40,7 +37,7 @@ void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& c
               fit::FitOptions options = {});
 
 /// Writes fit.json and its meta file, which names the campaign and what its runs were read from.
-MetaFile write_fit(const std::filesystem::path& path, const Campaign& campaign, const FittedCampaign& fitted);
+void write_fit(const std::filesystem::path& path, const Campaign& campaign, const FittedCampaign& fitted);
 
 /// What stands against using the fit as it is, with the exit code that says so.
 struct Reservation {
@@ -48,10 +45,6 @@ struct Reservation {
   std::string sentence;
   std::vector<std::string> remedies;
 };
-
-/// "mu1 = 0.0995(10), ...": what the fit says of a campaign taken at its word, where the values quoted are
-/// not.
-std::string as_described(const fit::FitResult& result);
 
 /// The weightiest last; empty for a sound fit. `look_at` names where the user finds more.
 std::vector<Reservation> reservations(const Campaign& campaign, const FittedCampaign& fitted,
@@ -61,5 +54,13 @@ std::vector<Reservation> reservations(const Campaign& campaign, const FittedCamp
 /// code.
 void report_fit(const Campaign& campaign, const FittedCampaign& fitted, bool explain,
                 const std::string& look_at, Context& context);
+
+/// One line per parameter on stdout: name, estimate, sd, low and high end of the 95 % interval,
+/// blank-separated.
+std::string parameter_table(const Json& fit);
+
+/// One line per free slide: its own mu1, sd, interval, rim speed over slide speed ("unseen"), chi2, dof.
+/// Empty without slides.
+std::string slide_table(const Json& fit);
 
 }  // namespace tribotrack::apps

@@ -8,7 +8,7 @@
 #include "apps/campaign/compared_runs.h"
 #include "apps/campaign/conditions.h"
 #include "apps/files/camera.h"
-#include "apps/measuring/likely_slip.h"
+#include "apps/measuring/measure_run.h"
 #include "apps/program/errors.h"
 #include "apps/text/number_text.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/measuring/likely_slip.h"
+#include "apps/measuring/measure_run.h"
 #include "fit/slips.h"
 
 namespace tribotrack::apps {

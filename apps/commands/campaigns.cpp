@@ -8,13 +8,12 @@
 #include <memory>
 #include <string>
 
-#include "apps/campaign/fit_json.h"
 #include "apps/campaign/fit_stage.h"
 #include "apps/commands/command.h"
 #include "apps/files/run_folder.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/pipeline/campaign_runner.h"
-#include "apps/pipeline/fit_campaign.h"
+#include "apps/pipeline/line.h"
 #include "apps/pipeline/manifest.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"

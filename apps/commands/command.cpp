@@ -11,7 +11,7 @@
 #include "apps/program/streams.h"
 #include "apps/text/angle.h"
 #include "apps/text/output_file.h"
-#include "apps/usage/version.h"
+#include "apps/usage/commit.h"
 #include "apps/usage/wrong_usage.h"
 #include "fit/measurement.h"
 #include "model/scenario.h"

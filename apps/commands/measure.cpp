@@ -99,16 +99,16 @@ void add_measure(CLI::App& app, Context& context) {
   command
       .add_option("--track-unit", options->reading.unit,
                   "Unit of x and y of another program's track whose columns name none")
-      ->check(one_of({"px", "um", "mm", "cm", "m"}));
+      ->check(one_of(kTrackUnits));
   command
       .add_option("--track-y", options->reading.y,
                   "Where its y points: up or down (default: down in pixels, up in lengths)")
-      ->check(one_of({"up", "down"}));
+      ->check(one_of(kTrackY));
   command
       .add_option(
           "--track-frame", options->reading.frame,
           "Its positions are relative to the platform or to the camera (default: camera without a mark)")
-      ->check(one_of({"platform", "camera"}));
+      ->check(one_of(kTrackFrames));
   command.add_option("--track-point", options->reading.point, "Which of its points is the part")
       ->type_name("NAME");
   command.add_option("--track-mark", options->reading.mark, "Which of its points is fixed to the platform")

@@ -97,6 +97,9 @@ void check_camera(const StrictTable& table, const CameraSection& camera) {
                                      camera.mm_per_px ? "mm_per_px" : "calibration"));
 }
 
+namespace {
+
+/// `marker`: without marker_px, how the platform's motion is seen.
 void read_marker(StrictTable& table, CameraSection& camera, const fs::path&) {
   const auto word = table.text("marker");
   if (!word) return;
@@ -122,6 +125,68 @@ Json written_marker(const CameraSection& camera) {
     default:
       return "texture where the ground moves";
   }
+}
+
+}  // namespace
+
+const Keys<PartSection>& part_keys() {
+  using P = PartSection;
+  static const Keys<P> keys = {
+      {"name", Kind::text, at<&P::name>, "\"disc\"",
+       "where there are several: a [[part]] of its own for each; each gets its own fit"},
+      {"disc_px", Kind::circle, at<&P::target>, "[640, 400, 150]",
+       "where it lies at first, unless the run says"},
+      {"template_px", Kind::rectangle, at<&P::target>, "[100, 40, 41, 41]", "instead of a disc"},
+      {"diameter_mm", Kind::above_zero, at<&P::diameter_mm>, "6.0",
+       "sets the scale, unless mm_per_px or a calibration does"},
+      {"diameter_mm_sd", Kind::sd, at<&P::diameter_sd_mm>, "0.005", "by a caliper"},
+      {"chamfer_mm", Kind::not_negative, at<&P::chamfer_mm>, "0.1",
+       "width of its chamfer seen from above, 0 for a sharp edge: without it a diameter gives the scale to 1 "
+       "to "
+       "2 %"},
+      {"height_mm", Kind::above_zero, at<&P::height_mm>, "0.8",
+       "with working_distance_mm: the part's top is nearer to the camera than the mark"},
+      {"height_mm_sd", Kind::sd, at<&P::height_sd_mm>, "0.01"},
+  };
+  return keys;
+}
+
+const Keys<CameraSection>& camera_keys() {
+  using C = CameraSection;
+  static const Keys<C> keys = {
+      {"frame_rate_hz", Kind::above_zero, at<&C::frame_rate_hz>, "1000.0",
+       "only where the recording does not give it (see `tribotrack probe VIDEO`)"},
+      {"frame_rate_reason", Kind::text, at<&C::frame_rate_reason>, "\"the camera's display\"",
+       "how you know it, where the file states the rate of playback", "frame_rate_hz"},
+      {"frame_rate_hz_sd", Kind::sd, at<&C::frame_rate_sd_hz>, "0.01"},
+      {"mm_per_px", Kind::above_zero, at<&C::mm_per_px>, "0.02", "leave out to scale by the part's diameter"},
+      {"tag_mm", Kind::above_zero, at<&C::tag_mm>, "8.0",
+       "side of the tag's black square, where `marker` is one: sets the scale"},
+      {"tag_mm_sd", Kind::sd, at<&C::tag_mm_sd>, "0.02", "as printed"},
+      {"mm_per_px_sd", Kind::not_negative, at<&C::mm_per_px_sd>, "0.00002"},
+      {"calibration", Kind::file, at<&C::calibration>, "\"calibration.json\"",
+       "by `tribotrack calibrate`, instead of mm_per_px"},
+      {"working_distance_mm", Kind::above_zero, at<&C::working_distance_mm>, "100.0",
+       "from lens to platform"},
+      {"working_distance_mm_sd", Kind::sd, at<&C::working_distance_sd_mm>, "1.0"},
+      {"row_time_s", Kind::number, at<&C::row_time_s>, "0.00001",
+       "rolling shutter: from one row of the picture to the next one below"},
+      {"xi_axis_rad", Kind::angle, at<&C::xi_axis_rad>, "0.0",
+       "direction, in the picture, of the platform's displacement when the phase sensor fires"},
+      {"xi_axis_rad_sd", Kind::sd, at<&C::xi_axis_sd_rad>, "0.01"},
+      {"disc_px", Kind::circle, at<&C::target>, "[640, 400, 150]",
+       "x, y, radius in the first frame; leave out to have it found"},
+      {"template_px", Kind::rectangle, at<&C::target>, "[100, 40, 41, 41]",
+       "instead of a disc: x, y, width, height of a part of any shape in the first frame; needs mm_per_px"},
+      {"marker_px", Kind::circle, at<&C::marker_px>, "[200, 180, 24]",
+       "a mark fixed to the platform; leave out where there is none"},
+      {"marker", Kind::text, Own<C>{read_marker, written_marker}, "\"texture\"",
+       "without marker_px: by the platform's own texture (as by itself where that moves); \"auto\": a round "
+       "mark, else texture; \"none\"; \"tag:apriltag_36h11:3\": an ArUco or AprilTag tag"},
+      {"gate_px", Kind::circle, at<&C::gate_px>, "[30, 30, 6]",
+       "an LED that is on while the actuator is: phi and dtau are measured from it"},
+  };
+  return keys;
 }
 
 CameraSection read_camera(StrictTable& table, const fs::path& folder) {

@@ -69,10 +69,6 @@ CameraSection read_camera(StrictTable& table, const std::filesystem::path& folde
 void check_part(const StrictTable& table, const PartSection& part);
 void check_camera(const StrictTable& table, const CameraSection& camera);
 
-/// `marker`: without marker_px, how the platform's motion is seen.
-void read_marker(StrictTable& table, CameraSection& camera, const std::filesystem::path& folder);
-Json written_marker(const CameraSection& camera);
-
 /// [x, y, radius] under a key, the radius above 0.
 std::optional<vision::Circle> read_circle(StrictTable& table, const char* key);
 

@@ -50,8 +50,6 @@ void require_kind(const StrictTable& top, TomlKind wanted, const std::string& fi
 
 namespace {
 
-const std::vector<std::string> kStarts = {"rest", "circling", "steady"};
-
 /// A platform tilted by more is no platform.
 constexpr double kSteepest = std::numbers::pi / 4;
 

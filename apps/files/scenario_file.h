@@ -61,6 +61,8 @@ void set_scenario_parameter(ScenarioFile& file, const std::string& name, double 
 /// The name of the parameter that is meant; empty for none.
 std::string scenario_parameter_named(const std::string& name);
 
+/// In the order of model::Start.
+inline const std::vector<std::string> kStarts = {"rest", "circling", "steady"};
 model::Start parse_start(const std::string& word);
 Json json_of(const model::Scenario& scenario);
 

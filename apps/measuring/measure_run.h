@@ -78,4 +78,10 @@ Json measurement_json(const RunMeasurement& measurement, const Track& track);
 /// Scale, frames and warnings: how every measurement's object ends.
 void put_recording(Json& json, const Track& track, const std::vector<std::string>& warnings);
 
+/// A given value that is far from the one seen, by which slip? "9.995 is 62.8 rad/s in Hz", for a campaign
+/// key and its given and measured value in the unit of the key; empty where none of the usual slips (another
+/// unit, peak to peak, radius for diameter, period for frequency) comes within a tenth. The slips of one
+/// quantity differ by 40 % and more.
+std::string likely_slip(const std::string& quantity, double given, double measured);
+
 }  // namespace tribotrack::apps

@@ -7,8 +7,23 @@
 
 #include "apps/files/track_file.h"
 #include "apps/text/json.h"
+#include "fit/measurement.h"
+#include "fit/motion.h"
 
 namespace tribotrack::apps {
+
+/// What motion a track shows, and what to do where it is not the one that was asked for. In
+/// `fit::ShownMotion` the platform's, where its mark shows that it circles; else the part's own.
+struct TrackMotion {
+  fit::ShownMotion shown;
+  bool platform_seen = false;  ///< by a mark that circles
+  std::string sentence;        ///< what it shows, without a full stop
+  /// What gives friction from such a track, or what to film instead.
+  std::string remedy() const;
+};
+
+/// `platform`: as its mark shows it. A mark that moves and does not circle was moved with the camera.
+TrackMotion motion_of(const Track& track, const std::optional<fit::PlatformMotion>& platform);
 
 /// Each a flag of the command line and a keyword in Python; empty: not given.
 struct MeasureChoices {

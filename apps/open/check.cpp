@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "apps/open/session.h"
-#include "apps/pipeline/fit_campaign.h"
+#include "apps/pipeline/line.h"
 #include "fit/prediction.h"
 
 namespace tribotrack::apps {

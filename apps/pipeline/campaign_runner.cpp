@@ -9,14 +9,13 @@
 #include <ctime>
 #include <utility>
 
-#include "apps/campaign/fit_json.h"
+#include "apps/campaign/fit_stage.h"
 #include "apps/files/tracks/any_track.h"
-#include "apps/pipeline/job.h"
+#include "apps/pipeline/line.h"
 #include "apps/pipeline/manifest.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
-#include "apps/recording/check.h"
-#include "apps/recording/record.h"
+#include "apps/recording/recording.h"
 #include "apps/recording/track.h"
 #include "apps/report/report.h"
 #include "apps/text/output_file.h"

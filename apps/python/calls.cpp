@@ -19,7 +19,7 @@
 #include "apps/files/track_file.h"
 #include "apps/files/tracks/any_track.h"
 #include "apps/measuring/measure_track.h"
-#include "apps/pipeline/fit_campaign.h"
+#include "apps/pipeline/line.h"
 #include "apps/program/context.h"
 #include "apps/program/errors.h"
 #include "apps/recording/track.h"

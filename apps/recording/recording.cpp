@@ -2,12 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+#include <cmath>
 #include <span>
+#include <utility>
 
 #include "apps/files/camera.h"
 #include "apps/files/campaign/keys.h"
+#include "apps/files/run_folder.h"
+#include "apps/files/track_file.h"
 #include "apps/program/errors.h"
 #include "apps/text/strict_toml.h"
+#include "apps/usage/commit.h"
 
 namespace tribotrack::apps {
 
@@ -156,6 +162,170 @@ Recording recording_of(const std::filesystem::path& video, const TrackChoices& c
                                  *choices.last_frame));
   apply_layers(choices, recording);
   return recording;
+}
+
+namespace {
+
+Json target_json(const vision::Target& target) {
+  using Kind = vision::Target::Kind;
+  if (target.kind == Kind::disc) return {{"disc_px", circle_json(target.disc)}};
+  if (target.kind == Kind::rectangle) return {{"template_px", rect_json(target.rectangle)}};
+  return "find the disc";
+}
+
+Json marker_json(const vision::MarkerChoice& marker) {
+  using Kind = vision::MarkerChoice::Kind;
+  if (marker.kind == Kind::circle) return circle_json(marker.circle);
+  if (marker.kind == Kind::texture) return "texture";
+  if (marker.kind == Kind::find) return "find";
+  if (marker.kind == Kind::tag) return tag_word(marker);
+  return marker.kind == Kind::none ? "none" : "texture where the ground moves";
+}
+
+Json configuration_of(const Recording& recording, const std::optional<Input>& calibration) {
+  Json json = {{"frame_rate_hz", optional_json(recording.camera.frame_rate_hz)},
+               {"mm_per_px", optional_json(recording.camera.mm_per_px)},
+               {"mm_per_px_sd", recording.camera.mm_per_px_sd},
+               {"calibration", calibration ? Json(calibration->xxh3_128) : Json()},
+               {"diameter_mm", optional_json(recording.part.diameter_mm)},
+               {"diameter_sd_mm", recording.part.diameter_sd_mm},
+               {"chamfer_mm", optional_json(recording.part.chamfer_mm)},
+               {"height_mm", optional_json(recording.part.height_mm)},
+               {"working_distance_mm", optional_json(recording.camera.working_distance_mm)},
+               {"xi_axis_rad", recording.camera.xi_axis_rad},
+               {"target", target_json(recording.options.target)},
+               {"marker", marker_json(recording.options.marker)},
+               {"gate", circle_json(recording.options.gate)},
+               {"first_frame", optional_json(recording.options.first_frame)},
+               {"last_frame", optional_json(recording.options.last_frame)},
+               {"min_ncc", recording.options.min_ncc},
+               {"max_lost_share", recording.options.max_lost_share},
+               {"search_margin_px", recording.options.search_margin_px},
+               {"row_time_s", recording.camera.row_time_s},
+               {"layers", recording.options.layers == vision::Layers::automatic ? "auto"
+                          : recording.options.layers == vision::Layers::on      ? "on"
+                                                                                : "off"}};
+  if (recording.options.frame_step > 1) json["frame_step"] = recording.options.frame_step;
+  if (recording.camera.tag_mm) {
+    json["tag_mm"] = *recording.camera.tag_mm;
+    json["tag_mm_sd"] = recording.camera.tag_mm_sd;
+  }
+  if (!recording.camera.frame_rate_reason.empty())
+    json["frame_rate_reason"] = recording.camera.frame_rate_reason;
+  return json;
+}
+
+/// Hashes the inputs in this order, and remembers their state.
+Recording with_inputs(Recording recording, const std::vector<std::filesystem::path>& files) {
+  const auto begun = std::chrono::steady_clock::now();
+  recording.state = InputState(files);
+  for (const auto& file : files)
+    recording.inputs.push_back(file == recording.video ? hashed_recording(file) : hashed_input(file));
+  recording.hashing_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  recording.configuration = configuration_of(
+      recording, recording.camera.calibration ? std::optional(recording.inputs.back()) : std::nullopt);
+  return recording;
+}
+
+/// A rolling shutter reads a frame within the time of one, and a lamp's row is not the part's.
+void require_rows_in_time(const Recording& recording, const vision::SourceInfo& info) {
+  if (recording.camera.row_time_s == 0) return;
+  const double frame = std::abs(recording.camera.row_time_s) * info.height;
+  if (info.time_base.rate_hz && frame * *info.time_base.rate_hz > 1)
+    throw InvalidInput(
+        fmt::format("{}: row_time_s = {:.3g} reads a frame of {} rows in {:.3g} s, but frames follow each "
+                    "other every {:.3g} "
+                    "s; give the time from one row to the next",
+                    recording.video.string(), recording.camera.row_time_s, info.height, frame,
+                    1 / *info.time_base.rate_hz));
+  if (recording.options.gate)
+    throw InvalidInput(fmt::format(
+        "{}: a lamp (gate_px) is not timed under a rolling shutter (row_time_s); leave one out and "
+        "give phi_rad and dtau_rad as commanded",
+        recording.video.string()));
+}
+
+constexpr double kOtherRate = 0.2;  ///< a rate off by more was not meant for this recording
+
+/// A rate given against what the camera itself says needs a reason.
+void require_rate_of_recording(const Recording& recording, const vision::SourceInfo& info) {
+  if (!recording.camera.frame_rate_hz || !recording.camera.frame_rate_reason.empty()) return;
+  for (const vision::TimeBaseCandidate& said : info.time_base.candidates)
+    if ((said.source.starts_with("cine") || said.source.starts_with("sidecar")) && said.rate_hz > 0 &&
+        std::abs(*recording.camera.frame_rate_hz / said.rate_hz - 1) > kOtherRate)
+      throw InvalidInput(fmt::format(
+          "{}: frame_rate_hz = {:.6g} (--fps) is given, but the camera wrote {:.6g} Hz into it ({}); leave "
+          "it out, or say how you know: frame_rate_reason = \"TEXT\" (--fps-reason TEXT)",
+          recording.video.string(), *recording.camera.frame_rate_hz, said.rate_hz, said.source));
+}
+
+/// Players stretch such pictures; a circle in them is an ellipse here, and alpha is no angle.
+void require_square_pixels(const Recording& recording, const vision::SourceInfo& info) {
+  constexpr double kSquare = 1e-3;
+  if (std::abs(info.pixel_aspect - 1) <= kSquare) return;
+  throw InvalidInput(fmt::format(
+      "{}: its pixels are not square: they are {:.6g} times as wide as high (sample aspect ratio), so "
+      "x and y have different scales; scale the pictures first (ffmpeg -i IN -vf "
+      "scale=iw*sar:ih,setsar=1 -c:v ffv1 OUT.mkv), or take the ratio out where it is wrong (-vf setsar=1)",
+      recording.video.string(), info.pixel_aspect));
+}
+
+}  // namespace
+
+Json settings_of(const Recording& recording) {
+  return configuration_of(recording, std::nullopt);
+}
+
+Recording checked(Recording recording) {
+  std::vector<std::filesystem::path> files = {recording.video};
+  if (recording.camera.calibration) files.push_back(*recording.camera.calibration);
+  recording = with_inputs(std::move(recording), files);
+  recording.key =
+      hash_of_text(TRIBOTRACK_VERSION + recording.configuration.dump() + recording.inputs[0].xxh3_128);
+  return recording;
+}
+
+Recording checked_in_memory(Recording recording) {
+  if (!recording.camera.calibration) return with_inputs(std::move(recording), {});
+  const std::filesystem::path calibration = *recording.camera.calibration;
+  return with_inputs(std::move(recording), {calibration});
+}
+
+std::optional<std::string> why_outdated(const std::filesystem::path& csv, const Recording& recording) {
+  const std::filesystem::path meta = csv.string() + ".meta.json";
+  if (!std::filesystem::exists(csv) && !std::filesystem::exists(meta)) return "";
+  if (!std::filesystem::exists(csv)) return "its table was gone";
+  if (!std::filesystem::exists(meta)) return "its meta file was gone";
+  Json json;
+  try {
+    json = read_json(meta);
+    track_described_by(json, meta);  // throws where it is damaged
+  } catch (const InvalidInput&) {
+    return "its meta file was damaged";
+  }
+  if (json.value("revision", Json()) != source_revisions().at("track"))
+    return "another revision of this program had made it";
+  if (json.value("key", Json()) != recording.key) return "its recording or its settings have changed";
+  if (json.value("result_xxh3_128", Json()) != hashed_input(csv).xxh3_128)
+    return "its table was changed after it was written";
+  // Of a large recording a sample is hashed: what was written into it since may lie between.
+  if (!recording.inputs.front().hashed.empty())
+    for (const std::filesystem::path& file : files_of_input(recording.video))
+      if (std::filesystem::last_write_time(file) > std::filesystem::last_write_time(csv))
+        return "its recording was written to after it";
+  return std::nullopt;
+}
+
+void require_trackable(const Recording& recording, const vision::SourceInfo& info) {
+  if (!info.time_base.known())
+    throw vision::InputError(fmt::format("{}: {}", recording.video.string(), info.time_base.why_unknown()));
+  if (!recording.camera.mm_per_px && !recording.camera.calibration && recording.part.diameter_mm &&
+      recording.options.target.kind == vision::Target::Kind::rectangle)
+    throw UsageError(
+        "a template has no diameter to scale by: give --mm-per-px instead of --disc-diameter-mm");
+  require_square_pixels(recording, info);
+  require_rate_of_recording(recording, info);
+  require_rows_in_time(recording, info);
 }
 
 }  // namespace tribotrack::apps

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/algorithm/string/replace.hpp>
 #include <boost/locale/encoding_utf.hpp>
 #include <charconv>
 #include <cmath>
@@ -143,14 +144,10 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kWords =
 
 std::string plain(std::string_view text) {
   std::string kept = lower(text);
-  for (const auto& [from, to] : kSpellings)
-    for (auto at = kept.find(from); at != std::string::npos; at = kept.find(from, at + to.size()))
-      kept.replace(at, from.size(), to);
-  for (int digit = 0; digit < 10; ++digit) {  // subscripts
-    const std::string from = {'\xe2', '\x82', static_cast<char>(0x80 + digit)};
-    for (auto at = kept.find(from); at != std::string::npos; at = kept.find(from))
-      kept.replace(at, from.size(), fmt::format("_{}", digit));
-  }
+  for (const auto& [from, to] : kSpellings) boost::replace_all(kept, from, to);
+  for (int digit = 0; digit < 10; ++digit)  // subscripts
+    boost::replace_all(kept, std::string{'\xe2', '\x82', static_cast<char>(0x80 + digit)},
+                       fmt::format("_{}", digit));
   return kept;
 }
 
@@ -223,24 +220,11 @@ std::string_view trimmed(std::string_view text, const char* around = " \t\r\"") 
 
 // A text as UTF-8, with `-` for a minus sign and a blank for one of fixed width.
 
-std::string with_replaced(std::string text, std::string_view from, std::string_view to) {
-  if (text.find(from) == text.npos) return text;
-  std::string result;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find(from, at), text.size());
-    result += text.substr(at, end - at);
-    if (end < text.size()) result += to;
-    at = end + from.size();
-  }
-  return result;
-}
-
 std::string as_utf8(const std::filesystem::path& path, std::string text) {
   if (text.starts_with("PK\x03\x04") || text.starts_with("\xd0\xcf\x11\xe0"))
     throw InvalidInput(fmt::format("{}: is a spreadsheet, not a text; save it as CSV", path.string()));
   const bool ascii =
       std::accumulate(text.begin(), text.end(), 0, [](int all, char c) { return all | c; }) >= 0;
-  std::string utf_8;
   const bool little = text.starts_with("\xff\xfe");
   if (little || text.starts_with("\xfe\xff")) {
     std::u16string units;
@@ -257,21 +241,18 @@ std::string as_utf8(const std::filesystem::path& path, std::string text) {
               "numpy.savetxt(\"x.csv\", numpy.c_[numpy.arange(len(d)), d[:, 1], d[:, 0]], delimiter=\",\", "
               "header=\"frame,x_px,y_px\", comments=\"\")"
             : "; if it is a recording, give it as `video`, or `tribotrack track` makes a track of it"));
-  if (!ascii && !encoding_slip(text).empty())  // Latin-1
-    for (const char c : text) {
-      const auto byte = static_cast<unsigned char>(c);
-      if (byte >= 0x80) utf_8 += static_cast<char>(0xC0 | byte >> 6);
-      utf_8 += static_cast<char>(byte < 0x80 ? byte : 0x80 | (byte & 0x3F));
-    }
-  if (utf_8.empty()) utf_8 = std::move(text);
+  if (!ascii && !encoding_slip(text).empty()) {  // Latin-1, whose bytes are the first of Unicode
+    const auto* bytes = reinterpret_cast<const unsigned char*>(text.data());
+    text = boost::locale::conv::utf_to_utf<char>(std::u16string(bytes, bytes + text.size()));
+  }
   for (const auto& [from, to] : {std::pair{"\xef\xbb\xbf", ""},
                                  {"\xe2\x88\x92", "-"},
                                  {"\xc2\xa0", " "},
                                  {"\xe2\x80\xaf", " "},
                                  {"\xe2\x80\x89", " "}})
-    if (!ascii) utf_8 = with_replaced(std::move(utf_8), from, to);
-  if (utf_8.find('\n') == utf_8.npos) std::ranges::replace(utf_8, '\r', '\n');
-  return utf_8;
+    if (!ascii) boost::replace_all(text, from, to);
+  if (text.find('\n') == text.npos) std::ranges::replace(text, '\r', '\n');
+  return text;
 }
 
 // Cells.

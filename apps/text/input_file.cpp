@@ -1,4 +1,4 @@
-// What a command reads: files with their hashes, and what a user meant by a text that is no TOML.
+// What a command reads: files with their hashes, JSON, and what a user meant by a text that is no TOML.
 #include "apps/text/input_file.h"
 
 #include <fmt/format.h>
@@ -6,14 +6,19 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/locale/utf.hpp>
 #include <cerrno>
+#include <cstdio>
 #include <fstream>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "apps/program/errors.h"
 #include "apps/text/angle.h"
+#include "apps/text/json.h"
+#include "apps/text/strict_toml.h"
 #include "apps/text/toml_slips.h"
 #include "vision/frame_source.h"
 #include "vision/temporary_file.h"
@@ -175,20 +180,6 @@ void InputState::require_unchanged() const {
 
 namespace {
 
-/// Bytes of the UTF-8 character that begins here; 0 where none does.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
-  const std::size_t length = byte(0) < 0x80                       ? 1
-                             : byte(0) >= 0xc2 && byte(0) < 0xe0  ? 2
-                             : byte(0) >= 0xe0 && byte(0) < 0xf0  ? 3
-                             : byte(0) >= 0xf0 && byte(0) <= 0xf4 ? 4
-                                                                  : 0;
-  if (length == 0 || length > text.size()) return 0;
-  for (std::size_t k = 1; k < length; ++k)
-    if ((byte(k) & 0xc0) != 0x80) return 0;
-  return length;
-}
-
 /// By the first bytes: Phantom, MP4 and MOV, AVI, Matroska.
 bool is_recording(std::string_view text) {
   return text.starts_with("CI") || text.substr(std::min<std::size_t>(4, text.size()), 4) == "ftyp" ||
@@ -214,14 +205,14 @@ std::string encoding_slip(std::string_view text) {
                ? ": is a recording; name it as `video` in a campaign (`tribotrack init DIR` writes one)"
                : ": is no text file; check its name";
   std::size_t line = 1, column = 1;
-  for (std::size_t place = 0; place < text.size(); ++column) {
-    const std::size_t length = utf8_length(text.substr(place));
-    if (length == 0)
+  for (const char* at = text.data(); at != text.data() + text.size(); ++column) {
+    using Utf8 = boost::locale::utf::utf_traits<char>;
+    const auto character = Utf8::decode(at, text.data() + text.size());
+    if (character == boost::locale::utf::illegal || character == boost::locale::utf::incomplete)
       return fmt::format(
           ":{}:{}: the character here is not UTF-8 (an umlaut or a sign in Latin-1?); save it as UTF-8", line,
           column);
-    if (text[place] == '\n') ++line, column = 0;
-    place += length;
+    if (character == '\n') ++line, column = 0;
   }
   return "";
 }
@@ -242,8 +233,6 @@ std::string toml_slip(std::string_view text, std::size_t number, std::size_t col
 
 namespace {
 
-constexpr int kDeepest = 32;
-
 bool may_stand_in_key(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '-' ||
          c == '"' || c == '\'' || c == ' ' || c == '\t';
@@ -252,6 +241,7 @@ bool may_stand_in_key(char c) {
 }  // namespace
 
 void require_shallow_keys(std::string_view text, const std::string& name) {
+  constexpr int kDeepest = 32;
   int line = 1, dots = 0;
   std::size_t line_begin = 0, key_begin = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -268,6 +258,53 @@ void require_shallow_keys(std::string_view text, const std::string& name) {
     ++line;
     line_begin = at + 1;
   }
+}
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& place, std::string_view what) {
+  throw InvalidInput(fmt::format(
+      "{}: is no JSON: {}; correct it, or make the file anew with the command that wrote it", place, what));
+}
+
+/// Of "[json.exception.parse_error.101] parse error at line 2, column 8: syntax error ...".
+[[noreturn]] void refuse_as(std::string_view said, const std::string& name) {
+  constexpr std::size_t kLongest = 200;  // it repeats what was read last
+  int line = 0, column = 0;
+  const auto at = std::min(said.find("at line "), said.size());
+  if (std::sscanf(said.data() + at, "at line %d, column %d", &line, &column) != 2)
+    refuse(name, said.substr(said.find(' ') + 1, kLongest));
+  refuse(fmt::format("{}:{}:{}", name, line, column), said.substr(said.find(": ", at) + 2, kLongest));
+}
+
+/// Values that nest too deeply would fill the stack where they are copied; each name of an object is
+/// compared with all others.
+Json parse_json(std::string_view text, const std::string& name) {
+  constexpr int kDeepest = 64, kMostNames = 10000;
+  std::array<int, kDeepest + 1> names{};  // by depth, so far
+  const auto require_flat = [&](int depth, Json::parse_event_t event, const Json&) {
+    if (depth > kDeepest) refuse(name, fmt::format("it nests deeper than {} levels", kDeepest));
+    if (event == Json::parse_event_t::object_start) names.at(static_cast<std::size_t>(depth)) = 0;
+    if (event == Json::parse_event_t::key && ++names.at(static_cast<std::size_t>(depth) - 1) > kMostNames)
+      refuse(name, fmt::format("an object holds more than {} names", kMostNames));
+    return true;
+  };
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) refuse(name + ":1:1", "it is empty");
+  try {
+    return Json::parse(text, require_flat);
+  } catch (const Json::exception& error) {
+    refuse_as(error.what(), name);
+  }
+}
+
+}  // namespace
+
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json read_json(const std::filesystem::path& path) {
+  return parse_json(read_text(path), path.string());
 }
 
 }  // namespace tribotrack::apps

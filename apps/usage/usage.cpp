@@ -14,7 +14,6 @@
 #include "apps/program/context.h"
 #include "apps/text/strict_toml.h"
 #include "apps/usage/commit.h"
-#include "apps/usage/version.h"
 #include "apps/usage/wrong_usage.h"
 #include "fit/estimate.h"
 #include "vision/libraries.h"

@@ -8,7 +8,7 @@
 #include "apps/files/run_folder.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/program/errors.h"
-#include "apps/recording/check.h"
+#include "apps/recording/recording.h"
 #include "apps/text/input_file.h"
 #include "apps/text/json.h"
 #include "apps/text/output_file.h"

@@ -18,9 +18,14 @@ namespace tribotrack::apps {
 struct Campaign;
 struct CampaignRun;
 
+// The words of TrackReading's `unit`, `y` and `frame`.
+inline const std::vector<std::string> kTrackUnits = {"px", "um", "mm", "cm", "m"};
+inline const std::vector<std::string> kTrackY = {"up", "down"};
+inline const std::vector<std::string> kTrackFrames = {"platform", "camera"};
+
 /// What the file of another program's track does not say of itself.
 struct TrackReading {
-  std::string unit;   ///< of columns that name none: "px", "um", "mm", "cm", "m"; empty: not known
+  std::string unit;   ///< of columns that name none: one of kTrackUnits; empty: not known
   std::string y;      ///< where it points, "up" or "down"; empty: down in pixels, up in lengths
   std::string frame;  ///< "platform" or "camera": whose the positions are; empty: the camera's without a mark
   std::string point, mark;  ///< which of the file's points is the part, and which is fixed to the platform

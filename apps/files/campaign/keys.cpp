@@ -4,17 +4,7 @@
 
 #include <algorithm>
 
-#include "apps/files/campaign/sections.h"
-
 namespace tribotrack::apps {
-
-namespace {
-
-const std::vector<std::string> kStarts = {"rest", "circling", "steady"};
-const std::vector<std::string> kUnits = {"px", "um", "mm", "cm", "m"};
-const std::vector<std::string> kFrames = {"platform", "camera"};
-
-}  // namespace
 
 const Keys<Campaign>& top_keys() {
   static const Keys<Campaign> keys = {
@@ -52,86 +42,6 @@ const Keys<PlatformSection>& platform_keys() {
   return keys;
 }
 
-const Keys<PartSection>& part_keys() {
-  using P = PartSection;
-  static const Keys<P> keys = {
-      {"name", Kind::text, at<&P::name>, "\"disc\"",
-       "where there are several: a [[part]] of its own for each; each gets its own fit"},
-      {"disc_px", Kind::circle, at<&P::target>, "[640, 400, 150]",
-       "where it lies at first, unless the run says"},
-      {"template_px", Kind::rectangle, at<&P::target>, "[100, 40, 41, 41]", "instead of a disc"},
-      {"diameter_mm", Kind::above_zero, at<&P::diameter_mm>, "6.0",
-       "sets the scale, unless mm_per_px or a calibration does"},
-      {"diameter_mm_sd", Kind::sd, at<&P::diameter_sd_mm>, "0.005", "by a caliper"},
-      {"chamfer_mm", Kind::not_negative, at<&P::chamfer_mm>, "0.1",
-       "width of its chamfer seen from above, 0 for a sharp edge: without it a diameter gives the scale to 1 "
-       "to "
-       "2 %"},
-      {"height_mm", Kind::above_zero, at<&P::height_mm>, "0.8",
-       "with working_distance_mm: the part's top is nearer to the camera than the mark"},
-      {"height_mm_sd", Kind::sd, at<&P::height_sd_mm>, "0.01"},
-  };
-  return keys;
-}
-
-const Keys<CameraSection>& camera_keys() {
-  using C = CameraSection;
-  static const Keys<C> keys = {
-      {"frame_rate_hz", Kind::above_zero, at<&C::frame_rate_hz>, "1000.0",
-       "only where the recording does not give it (see `tribotrack probe VIDEO`)"},
-      {"frame_rate_reason", Kind::text, at<&C::frame_rate_reason>, "\"the camera's display\"",
-       "how you know it, where the file states the rate of playback", "frame_rate_hz"},
-      {"frame_rate_hz_sd", Kind::sd, at<&C::frame_rate_sd_hz>, "0.01"},
-      {"mm_per_px", Kind::above_zero, at<&C::mm_per_px>, "0.02", "leave out to scale by the part's diameter"},
-      {"tag_mm", Kind::above_zero, at<&C::tag_mm>, "8.0",
-       "side of the tag's black square, where `marker` is one: sets the scale"},
-      {"tag_mm_sd", Kind::sd, at<&C::tag_mm_sd>, "0.02", "as printed"},
-      {"mm_per_px_sd", Kind::not_negative, at<&C::mm_per_px_sd>, "0.00002"},
-      {"calibration", Kind::file, at<&C::calibration>, "\"calibration.json\"",
-       "by `tribotrack calibrate`, instead of mm_per_px"},
-      {"working_distance_mm", Kind::above_zero, at<&C::working_distance_mm>, "100.0",
-       "from lens to platform"},
-      {"working_distance_mm_sd", Kind::sd, at<&C::working_distance_sd_mm>, "1.0"},
-      {"row_time_s", Kind::number, at<&C::row_time_s>, "0.00001",
-       "rolling shutter: from one row of the picture to the next one below"},
-      {"xi_axis_rad", Kind::angle, at<&C::xi_axis_rad>, "0.0",
-       "direction, in the picture, of the platform's displacement when the phase sensor fires"},
-      {"xi_axis_rad_sd", Kind::sd, at<&C::xi_axis_sd_rad>, "0.01"},
-      {"disc_px", Kind::circle, at<&C::target>, "[640, 400, 150]",
-       "x, y, radius in the first frame; leave out to have it found"},
-      {"template_px", Kind::rectangle, at<&C::target>, "[100, 40, 41, 41]",
-       "instead of a disc: x, y, width, height of a part of any shape in the first frame; needs mm_per_px"},
-      {"marker_px", Kind::circle, at<&C::marker_px>, "[200, 180, 24]",
-       "a mark fixed to the platform; leave out where there is none"},
-      {"marker", Kind::text, Own<C>{read_marker, written_marker}, "\"texture\"",
-       "without marker_px: by the platform's own texture (as by itself where that moves); \"auto\": a round "
-       "mark, else texture; \"none\"; \"tag:apriltag_36h11:3\": an ArUco or AprilTag tag"},
-      {"gate_px", Kind::circle, at<&C::gate_px>, "[30, 30, 6]",
-       "an LED that is on while the actuator is: phi and dtau are measured from it"},
-  };
-  return keys;
-}
-
-const Keys<ScopeSection>& scope_keys() {
-  using S = ScopeSection;
-  static const Keys<S> keys = {
-      {"sensor_channel", Kind::wholes(0, 4), at<&S::sensor_channel>, "1",
-       "reference pulses of the platform's phase sensor; 0: none"},
-      {"actuator_channel", Kind::wholes(0, 4), at<&S::actuator_channel>, "2",
-       "the bursts that drive the actuator; 0: none"},
-      {"carrier_hz", Kind::above_zero, at<&S::carrier_hz>, "5890", "of the bursts"},
-      {"sensor_delay_s", Kind::number, at<&S::sensor_delay_s>, "0.0",
-       "by which the sensor's filter makes its pulse late"},
-      {"sensor_delay_sd_s", Kind::not_negative, at<&S::sensor_delay_sd_s>, "0.00001"},
-      {"tie", Kind::one_of({"sensor", "trigger", "lamp"}), at<&S::tie>, "\"sensor\"",
-       "phi counts from the sensor; \"trigger\": both zero at one trigger; \"lamp\": phi from gate_px"},
-      {"trigger_time_s", Kind::number, at<&S::trigger_time_s>, "0.0",
-       "the trigger in the recording's time; a .cine holds it itself"},
-      {"tie_sd_s", Kind::not_negative, at<&S::tie_sd_s>, "0.00001", "of that tie"},
-  };
-  return keys;
-}
-
 const Keys<DataSection>& data_keys() {
   using D = DataSection;
   static const Keys<D> keys = {
@@ -143,103 +53,16 @@ const Keys<DataSection>& data_keys() {
       {"alpha_sd_rad", Kind::angle, at<&D::alpha_sd>, "\"2deg\"",
        "of the lines that have none; else repeats of a point tell", "table"},
       {"v_sd_mm_s", Kind::above_zero, milli<&D::v_sd>, "0.1", "likewise", "table"},
-      {"track_unit", Kind::one_of(kUnits), at<&D::tracks, &TrackReading::unit>, "\"mm\"",
+      {"track_unit", Kind::one_of(kTrackUnits), at<&D::tracks, &TrackReading::unit>, "\"mm\"",
        "of tracks whose columns name none: px (with mm_per_px), um, mm, cm, m"},
-      {"track_y", Kind::one_of({"up", "down"}), at<&D::tracks, &TrackReading::y>, "\"up\"",
+      {"track_y", Kind::one_of(kTrackY), at<&D::tracks, &TrackReading::y>, "\"up\"",
        "where y of tracks points, if not down in pixels and up in lengths"},
-      {"track_frame", Kind::one_of(kFrames), at<&D::tracks, &TrackReading::frame>, "\"platform\"",
+      {"track_frame", Kind::one_of(kTrackFrames), at<&D::tracks, &TrackReading::frame>, "\"platform\"",
        "of tracks: \"platform\": its motion is taken out of them already; else by track_mark, or \"camera\""},
       {"track_point", Kind::text, at<&D::tracks, &TrackReading::point>, "\"mass A\"",
        "which point of tracks is the part, where there are several"},
       {"track_mark", Kind::text, at<&D::tracks, &TrackReading::mark>, "\"mass B\"",
        "and which is fixed to the platform, if one is"},
-  };
-  return keys;
-}
-
-const Keys<FitSection>& fit_keys() {
-  using F = FitSection;
-  static const Keys<F> keys = {
-      {"parameters", Kind::texts, Own<F>{read_parameters, written_parameters},
-       "[\"mu1\", \"mu2\", \"phase_lag_rad\"]",
-       "these (free slides alone: mu1), delay_s, amplitude_mm, angular_frequency_rad_s, mm_per_px, "
-       "tilt_x_rad, tilt_y_rad"},
-      {"data", Kind::one_of({"summary", "trajectory"}), at<&F::trajectory>, "\"summary\"",
-       "each run's displacement (alpha, v); \"trajectory\": every tracked point"},
-      {"exact", Kind::true_or_texts, Own<F>{read_exact, written_exact}, "[\"amplitude_mm\"]",
-       "what is known without an error although it has no sd (frequency_hz, tilt_x_rad, start_phase_rad, "
-       "friction_law, ...); "
-       "true: everything, also what is not given"},
-      {"hold_out", Kind::texts, at<&F::hold_out>, "[\"run name\"]",
-       "driven runs that are not fitted, but predicted by the fit"},
-      {"start", Kind::one_of(kStarts), at<&F::start>, "\"rest\"",
-       "how runs start at their first analysed frame: rest, circling or steady"},
-      {"cycles", Kind::wholes(1, 1'000'000), at<&F::cycles>, "20",
-       "whole cycles alpha and v are measured over, at most"},
-  };
-  return keys;
-}
-
-const Keys<CampaignRun>& run_keys() {
-  using R = CampaignRun;
-  static const Keys<R> keys = {
-      {"video", Kind::file, at<&R::video>, "\"phi000_dtau060.cine\"",
-       "relative to this file: .cine, video, TIFF stack, folder of pictures, dir/%05d.png"},
-      {"track", Kind::file, at<&R::track>, "\"tracker.txt\"",
-       "instead of a video: a track of Tracker, Kinovea, DLTdv, trackpy, of columns t_s, x_mm, y_mm, or "
-       "ours"},
-      {"track_unit", Kind::one_of(kUnits), at<&R::reading, &TrackReading::unit>, "\"mm\"",
-       "where it differs from [data]", "track"},
-      {"track_y", Kind::one_of({"up", "down"}), at<&R::reading, &TrackReading::y>, "\"up\"",
-       "where it differs from [data]", "track"},
-      {"track_frame", Kind::one_of(kFrames), at<&R::reading, &TrackReading::frame>, "\"platform\"",
-       "where it differs from [data]", "track"},
-      {"track_point", Kind::text, at<&R::reading, &TrackReading::point>, "\"mass A\"",
-       "where it differs from [data]", "track"},
-      {"track_mark", Kind::text, at<&R::reading, &TrackReading::mark>, "\"mass B\"",
-       "where it differs from [data]", "track"},
-      {"name", Kind::text, at<&R::name>, "\"first\"", "of its results; else the recording's"},
-      {"kind", Kind::one_of({"pulses", "free_slide"}), at<&R::free_slide>, "\"free_slide\"",
-       "set sliding by hand on the platform at rest; gives mu1 by itself (film several). Else \"pulses\""},
-      {"slope_rad", Kind::angle, at<&R::slope>, "\"20deg\"",
-       "of a free slide on an incline: > 0 slides down, < 0 is pushed up; mu1 = tan(slope) - a/(g "
-       "cos(slope))"},
-      {"slope_rad_sd", Kind::sd, at<&R::slope_sd>, "0.002", "the same for all inclines of the campaign"},
-      {"phi_rad", Kind::angle, at<&R::phi>, "\"45deg\"", "commanded phase of the pulse"},
-      {"phi_rad_sd", Kind::sd, at<&R::phi_sd>, "0.005", "of this run alone"},
-      {"dtau_rad", Kind::angle, at<&R::dtau>, "\"pi/3\"", "commanded width of the pulse"},
-      {"dtau_rad_sd", Kind::sd, at<&R::dtau_sd>, "0.005"},
-      {"frames", Kind::two_wholes, Own<R>{read_frames, written_frames}, "[120, 480]",
-       "first and last image number, both included; a third number n: every n-th of them"},
-      {"start", Kind::one_of(kStarts), at<&R::start>, "\"rest\"", "where it differs from [fit]"},
-      {"cycles", Kind::wholes(1, 1'000'000), at<&R::cycles>, "20", "where it differs from [fit]"},
-      {"amplitude_mm", Kind::not_negative, milli<&R::amplitude>, "0.28", "where it differs from [platform]"},
-      {"amplitude_mm_sd", Kind::sd, milli<&R::amplitude_sd>, "0.001"},
-      {"angular_frequency_rad_s", Kind::above_zero, at<&R::angular_frequency>, "62.8",
-       "where it differs from [platform]"},
-      {"angular_frequency_rad_s_sd", Kind::sd, at<&R::angular_frequency_sd>, "0.001"},
-      {"phase_at_zero_rad", Kind::angle, at<&R::phase_at_zero>, "0.0",
-       "the platform's phase at the recording's first image, where nothing shows it"},
-      {"phase_at_zero_rad_sd", Kind::sd, at<&R::phase_at_zero_sd>, "0.01"},
-      {"start_phase_rad", Kind::angle, at<&R::start_phase>, "0.0",
-       "the platform's phase at the start of a run without video"},
-      {"start_phase_rad_sd", Kind::sd, at<&R::start_phase_sd>, "0.01"},
-      {"mm_per_px", Kind::above_zero, at<&R::mm_per_px>, "0.02", "where it differs from [camera]"},
-      {"mm_per_px_sd", Kind::sd, at<&R::mm_per_px_sd>, "0.00002"},
-      {"disc_px", Kind::circle, at<&R::target>, "[640, 400, 150]", "where it differs from [camera]"},
-      {"template_px", Kind::rectangle, at<&R::target>, "[100, 40, 41, 41]", "where it differs from [camera]"},
-      {"part", Kind::text, at<&R::part>, "\"disc\"", "which of several [[part]] this run shows"},
-      {"parts", Kind::place_by_name, Own<R>{read_parts}, "{ disc = [640, 400, 150] }",
-       "several in one recording: where each lies at first, [x, y, radius] or [x, y, width, height]"},
-      {"marker_px", Kind::circle, at<&R::marker_px>, "[200, 180, 24]", "where it differs from [camera]"},
-      {"scope", Kind::text_or_texts, Own<R>{read_scope_files, written_scope_files}, "\"phi000_dtau060.csv\"",
-       "oscilloscope trace: phi and dtau are measured from it; [\"CH1.csv\", \"CH2.csv\"] where a file holds "
-       "one channel"},
-      {"alpha_rad", Kind::angle, at<&R::alpha>, "5.93",
-       "measured elsewhere, with the three below, instead of a video: direction of the displacement"},
-      {"alpha_sd_rad", Kind::above_zero, at<&R::alpha_sd>, "0.02"},
-      {"v_mm_s", Kind::not_negative, milli<&R::v>, "1.78", "mean velocity"},
-      {"v_sd_mm_s", Kind::above_zero, milli<&R::v_sd>, "0.04"},
   };
   return keys;
 }
@@ -287,6 +110,138 @@ std::vector<std::string> sections_with(const std::string& key) {
   for (const CampaignSection& section : campaign_sections())
     if (std::ranges::count(section.keys, key, &KeyFacts::name) > 0) names.push_back(section.name);
   return names;
+}
+
+std::string campaign_reference() {
+  std::string text =
+      R"(A campaign is a TOML file: a lab's recordings and what is to be estimated from them. Units stand in the names of
+keys. Angles are radians, or texts such as "11pi/9", "-pi/2", "90deg". KEY_sd is a standard deviation. No typed value
+is exact: without KEY_sd a quantity has the larger of two, that of its last digit and a typical one (A 0.5 %, A_y/A
+1 %, w 1e-4, epsilon 1 deg, level 2 mrad, inclines 0.1 deg, caliper 0.02 mm; whole numbers and parts of pi have no
+last digit), also if it is not given. A phase at the start that nothing shows is unknown. A value that the recordings
+show as well is combined with what they show. [fit] exact lists what is exact; g, frame rate and axis are.
+`tribotrack init DIR` writes a campaign to start from, `tribotrack help campaign --json` prints these keys as a JSON
+Schema, `tribotrack help uncertainty` says what every uncertainty means.
+)";
+  for (const CampaignSection& section : campaign_sections()) {
+    text += section.name.empty() ? fmt::format("\nFirst: {}\n", section.remark)
+            : section.repeated   ? fmt::format("\n[[{}]]  {}\n", section.name, section.remark)
+                                 : fmt::format("\n[{}]  {}\n", section.name, section.remark);
+    for (const KeyFacts& key : section.keys) {
+      text += fmt::format("  {:<30} {}\n", fmt::format("{} = {}", key.name, key.example), key.kind_text());
+      if (!key.meaning.empty()) text += fmt::format("      {}\n", key.meaning);
+    }
+  }
+  return text;
+}
+
+namespace {
+
+bool holds(const std::vector<KeyFacts>& keys, const std::string& name) {
+  return std::ranges::count(keys, name, &KeyFacts::name) > 0;
+}
+
+/// A table with these keys alone.
+Json table_schema(const std::string& remark, const std::vector<KeyFacts>& keys, bool with_defaults) {
+  Json properties = Json::object(), required = Json::object();
+  for (const KeyFacts& key : keys) {
+    Json schema = key.schema();
+    if (!key.meaning.empty()) schema["description"] = key.meaning;
+    if (with_defaults && !key.otherwise.is_null()) schema["default"] = key.otherwise;
+    const bool is_sd = key.quantity() != key.name && holds(keys, key.quantity());
+    if (!key.with.empty()) required[key.name] = Json::array({key.with});
+    properties[key.name] = schema;
+    for (const OtherName& other : other_names(key.quantity())) {
+      const std::string name = other.name + (is_sd ? "_sd" : "");
+      schema["description"] = fmt::format("another name of {}", key.name);
+      properties[name] = schema;
+      if (is_sd) required[name] = Json::array({other.name});
+    }
+    if (is_sd) required[key.name] = Json::array({key.quantity()});
+  }
+  Json schema = {{"type", "object"},
+                 {"description", remark},
+                 {"properties", properties},
+                 {"additionalProperties", false}};
+  if (!required.empty()) schema["dependentRequired"] = required;
+  return schema;
+}
+
+/// [fit.guess] and [fit.prior]: every parameter as the one that is listed.
+std::vector<KeyFacts> for_every_parameter(const CampaignSection& section) {
+  std::vector<KeyFacts> keys;
+  for (const fit::FitParameter parameter : fit_parameters()) {
+    keys.push_back(section.keys.front());
+    keys.back().name = fit::to_string(parameter);
+    keys.back().meaning = "";
+    if (keys.back().kind.form != Kind::mean_and_sd) keys.back().kind = kind_of(parameter);
+  }
+  return keys;
+}
+
+}  // namespace
+
+Json campaign_schema() {
+  Json schema;
+  for (const CampaignSection& section : campaign_sections()) {
+    const bool by_parameter = section.name == "fit.guess" || section.name == "fit.prior";
+    Json table = table_schema(section.remark, by_parameter ? for_every_parameter(section) : section.keys,
+                              !section.repeated);
+    if (section.name.empty()) {
+      schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+                {"title", "tribotrack campaign"}};
+      schema.update(table);
+    } else if (section.name == "part") {  // [part], or [[part]] for several
+      schema["properties"]["part"] = {{"oneOf", Json::array({table, {{"type", "array"}, {"items", table}}})}};
+    } else if (section.repeated) {
+      schema["properties"][section.name] = {{"type", "array"}, {"items", table}};
+    } else if (const auto dot = section.name.find('.'); dot != std::string::npos) {
+      schema["properties"][section.name.substr(0, dot)]["properties"][section.name.substr(dot + 1)] = table;
+    } else {
+      schema["properties"][section.name] = table;
+    }
+  }
+  return schema;
+}
+
+namespace {
+
+Json fit_configuration(const FitSection& fit) {
+  Json json = written(fit_keys(), fit);
+  for (const auto& [name, values] : {std::pair{"fixed", &fit.fixed}, std::pair{"guess", &fit.guess}}) {
+    json[name] = Json::object();
+    for (const auto& [parameter, value] : *values) json[name][fit::to_string(parameter)] = value;
+  }
+  json["prior"] = Json::object();
+  for (const auto& [parameter, prior] : fit.prior)
+    json["prior"][fit::to_string(parameter)] = {{"mean", prior.mean}, {"sd", prior.sd}};
+  return json;
+}
+
+/// What a run says itself; what it does not stands in the sections.
+Json run_configuration(const CampaignRun& run) {
+  Json json = Json::object();
+  const Json own = written(run_keys(), run);
+  for (const auto& [key, value] : own.items())
+    if (!value.is_null() && value != "" && (run.track || !key.starts_with("track"))) json[key] = value;
+  if (!run.pooled_from.empty()) json["pooled_from"] = run.pooled_from;
+  return json;
+}
+
+}  // namespace
+
+Json Campaign::effective_configuration() const {
+  Json json;
+  if (!title.empty()) json["title"] = title;
+  json["platform"] = written(platform_keys(), platform);
+  json["part"] = written(part_keys(), part);
+  json["camera"] = written(camera_keys(), camera);
+  json["scope"] = written(scope_keys(), scope);
+  json["data"] = written(data_keys(), data);
+  json["fit"] = fit_configuration(fit);
+  json["runs"] = Json::array();
+  for (const CampaignRun& run : runs) json["runs"].push_back(run_configuration(run));
+  return json;
 }
 
 }  // namespace tribotrack::apps

@@ -21,19 +21,6 @@ inline constexpr const char* kGuessHint =
 /// Throws InvalidInput naming the place.
 CampaignRun read_run(StrictTable& table, const Campaign& campaign, bool with_sds = true);
 
-// Keys of [fit] and [[run]] with values of their own kind.
-void read_parameters(StrictTable& table, FitSection& fit, const std::filesystem::path& folder);
-Json written_parameters(const FitSection& fit);
-void read_exact(StrictTable& table, FitSection& fit, const std::filesystem::path& folder);
-Json written_exact(const FitSection& fit);
-void read_frames(StrictTable& table, CampaignRun& run, const std::filesystem::path& folder);
-Json written_frames(const CampaignRun& run);
-/// A trace, or two of an oscilloscope that writes a file for each channel.
-void read_scope_files(StrictTable& table, CampaignRun& run, const std::filesystem::path& folder);
-Json written_scope_files(const CampaignRun& run);
-/// Where each of several parts lies at first.
-void read_parts(StrictTable& table, CampaignRun& run, const std::filesystem::path& folder);
-
 /// Refuses a run of a video in which the size of a pixel is not known.
 void require_scale(const Campaign& campaign, const CampaignRun& run);
 

@@ -7,8 +7,7 @@
 
 #include "apps/campaign/compared_runs.h"
 #include "apps/program.h"
-#include "apps/recording/check.h"
-#include "apps/recording/record.h"
+#include "apps/recording/recording.h"
 #include "apps/recording/track.h"
 #include "apps/text/json.h"
 

@@ -8,8 +8,7 @@
 
 #include "apps/measuring/measure_track.h"
 #include "apps/program.h"
-#include "apps/recording/check.h"
-#include "apps/recording/record.h"
+#include "apps/recording/recording.h"
 #include "apps/recording/track.h"
 #include "vision/analytic_scene.h"
 #include "vision/frame_sink.h"

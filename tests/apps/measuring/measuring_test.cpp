@@ -7,10 +7,9 @@
 #include <numbers>
 #include <random>
 
-#include "apps/measuring/likely_slip.h"
 #include "apps/measuring/measure_run.h"
 #include "apps/measuring/measure_text.h"
-#include "apps/measuring/track_motion.h"
+#include "apps/measuring/measure_track.h"
 #include "apps/program.h"
 #include "apps/text/json.h"
 #include "fit/free_slides.h"

@@ -1,23 +1,18 @@
-#include "apps/files/campaign/sections.h"
-
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <set>
 
 #include "apps/files/campaign/keys.h"
+#include "apps/files/campaign/sections.h"
 #include "apps/program/errors.h"
 #include "apps/program/streams.h"
-#include "fit/conditions.h"
 
 namespace tribotrack::apps {
 
 namespace fs = std::filesystem;
-using fit::FitParameter;
 
 namespace {
 
@@ -96,8 +91,6 @@ void complete_reading(const CameraSection& camera, CampaignRun& run) {
   reading.last_frame = run.last_frame;
 }
 
-}  // namespace
-
 void read_frames(StrictTable& table, CampaignRun& run, const fs::path&) {
   const auto frames = table.integers("frames", table.count("frames") == 3 ? 3 : 2);
   if (!frames) return;
@@ -115,6 +108,7 @@ Json written_frames(const CampaignRun& run) {
   return frames;
 }
 
+/// A trace, or two of an oscilloscope that writes a file for each channel.
 void read_scope_files(StrictTable& table, CampaignRun& run, const fs::path& folder) {
   if (!table.is_list("scope")) {
     if (const auto scope = table.text("scope")) run.scope = folder / *scope;
@@ -133,11 +127,78 @@ Json written_scope_files(const CampaignRun& run) {
   return run.second_scope ? Json::array({file, run.second_scope->filename().string()}) : Json(file);
 }
 
+/// Where each of several parts lies at first.
 void read_parts(StrictTable& table, CampaignRun& run, const fs::path&) {
   auto places = table.table("parts");
   if (!places) return;
   for (const std::string& name : places->keys()) run.parts[name] = read_place(*places, name.c_str());
   places->finish();
+}
+
+}  // namespace
+
+const Keys<CampaignRun>& run_keys() {
+  using R = CampaignRun;
+  static const Keys<R> keys = {
+      {"video", Kind::file, at<&R::video>, "\"phi000_dtau060.cine\"",
+       "relative to this file: .cine, video, TIFF stack, folder of pictures, dir/%05d.png"},
+      {"track", Kind::file, at<&R::track>, "\"tracker.txt\"",
+       "instead of a video: a track of Tracker, Kinovea, DLTdv, trackpy, of columns t_s, x_mm, y_mm, or "
+       "ours"},
+      {"track_unit", Kind::one_of(kTrackUnits), at<&R::reading, &TrackReading::unit>, "\"mm\"",
+       "where it differs from [data]", "track"},
+      {"track_y", Kind::one_of(kTrackY), at<&R::reading, &TrackReading::y>, "\"up\"",
+       "where it differs from [data]", "track"},
+      {"track_frame", Kind::one_of(kTrackFrames), at<&R::reading, &TrackReading::frame>, "\"platform\"",
+       "where it differs from [data]", "track"},
+      {"track_point", Kind::text, at<&R::reading, &TrackReading::point>, "\"mass A\"",
+       "where it differs from [data]", "track"},
+      {"track_mark", Kind::text, at<&R::reading, &TrackReading::mark>, "\"mass B\"",
+       "where it differs from [data]", "track"},
+      {"name", Kind::text, at<&R::name>, "\"first\"", "of its results; else the recording's"},
+      {"kind", Kind::one_of({"pulses", "free_slide"}), at<&R::free_slide>, "\"free_slide\"",
+       "set sliding by hand on the platform at rest; gives mu1 by itself (film several). Else \"pulses\""},
+      {"slope_rad", Kind::angle, at<&R::slope>, "\"20deg\"",
+       "of a free slide on an incline: > 0 slides down, < 0 is pushed up; mu1 = tan(slope) - a/(g "
+       "cos(slope))"},
+      {"slope_rad_sd", Kind::sd, at<&R::slope_sd>, "0.002", "the same for all inclines of the campaign"},
+      {"phi_rad", Kind::angle, at<&R::phi>, "\"45deg\"", "commanded phase of the pulse"},
+      {"phi_rad_sd", Kind::sd, at<&R::phi_sd>, "0.005", "of this run alone"},
+      {"dtau_rad", Kind::angle, at<&R::dtau>, "\"pi/3\"", "commanded width of the pulse"},
+      {"dtau_rad_sd", Kind::sd, at<&R::dtau_sd>, "0.005"},
+      {"frames", Kind::two_wholes, Own<R>{read_frames, written_frames}, "[120, 480]",
+       "first and last image number, both included; a third number n: every n-th of them"},
+      {"start", Kind::one_of(kStarts), at<&R::start>, "\"rest\"", "where it differs from [fit]"},
+      {"cycles", Kind::wholes(1, 1'000'000), at<&R::cycles>, "20", "where it differs from [fit]"},
+      {"amplitude_mm", Kind::not_negative, milli<&R::amplitude>, "0.28", "where it differs from [platform]"},
+      {"amplitude_mm_sd", Kind::sd, milli<&R::amplitude_sd>, "0.001"},
+      {"angular_frequency_rad_s", Kind::above_zero, at<&R::angular_frequency>, "62.8",
+       "where it differs from [platform]"},
+      {"angular_frequency_rad_s_sd", Kind::sd, at<&R::angular_frequency_sd>, "0.001"},
+      {"phase_at_zero_rad", Kind::angle, at<&R::phase_at_zero>, "0.0",
+       "the platform's phase at the recording's first image, where nothing shows it"},
+      {"phase_at_zero_rad_sd", Kind::sd, at<&R::phase_at_zero_sd>, "0.01"},
+      {"start_phase_rad", Kind::angle, at<&R::start_phase>, "0.0",
+       "the platform's phase at the start of a run without video"},
+      {"start_phase_rad_sd", Kind::sd, at<&R::start_phase_sd>, "0.01"},
+      {"mm_per_px", Kind::above_zero, at<&R::mm_per_px>, "0.02", "where it differs from [camera]"},
+      {"mm_per_px_sd", Kind::sd, at<&R::mm_per_px_sd>, "0.00002"},
+      {"disc_px", Kind::circle, at<&R::target>, "[640, 400, 150]", "where it differs from [camera]"},
+      {"template_px", Kind::rectangle, at<&R::target>, "[100, 40, 41, 41]", "where it differs from [camera]"},
+      {"part", Kind::text, at<&R::part>, "\"disc\"", "which of several [[part]] this run shows"},
+      {"parts", Kind::place_by_name, Own<R>{read_parts}, "{ disc = [640, 400, 150] }",
+       "several in one recording: where each lies at first, [x, y, radius] or [x, y, width, height]"},
+      {"marker_px", Kind::circle, at<&R::marker_px>, "[200, 180, 24]", "where it differs from [camera]"},
+      {"scope", Kind::text_or_texts, Own<R>{read_scope_files, written_scope_files}, "\"phi000_dtau060.csv\"",
+       "oscilloscope trace: phi and dtau are measured from it; [\"CH1.csv\", \"CH2.csv\"] where a file holds "
+       "one channel"},
+      {"alpha_rad", Kind::angle, at<&R::alpha>, "5.93",
+       "measured elsewhere, with the three below, instead of a video: direction of the displacement"},
+      {"alpha_sd_rad", Kind::above_zero, at<&R::alpha_sd>, "0.02"},
+      {"v_mm_s", Kind::not_negative, milli<&R::v>, "1.78", "mean velocity"},
+      {"v_sd_mm_s", Kind::above_zero, milli<&R::v_sd>, "0.04"},
+  };
+  return keys;
 }
 
 CampaignRun read_run(StrictTable& table, const Campaign& campaign, bool with_sds) {
@@ -198,199 +259,6 @@ void name_runs(std::vector<CampaignRun>& runs) {
     run.name = base;
     for (int n = 2; !taken.insert(run.name).second; ++n) run.name = fmt::format("{}_{}", base, n);
   }
-}
-
-const std::vector<FitParameter>& fit_parameters() {
-  static const std::vector<FitParameter> parameters = {
-      FitParameter::mu1,   FitParameter::mu2,       FitParameter::lag,
-      FitParameter::delay, FitParameter::amplitude, FitParameter::angular_frequency,
-      FitParameter::scale, FitParameter::tilt_x,    FitParameter::tilt_y};
-  return parameters;
-}
-
-Kind kind_of(FitParameter parameter) {
-  switch (parameter) {
-    case FitParameter::mu1:
-    case FitParameter::mu2:
-      return Kind::not_negative;
-    case FitParameter::amplitude:
-    case FitParameter::angular_frequency:
-    case FitParameter::scale:
-      return Kind::above_zero;
-    default:
-      return std::string_view(fit::to_string(parameter)).ends_with("_rad") ? Kind::angle : Kind::number;
-  }
-}
-
-std::optional<FitParameter> fit_parameter_named(const std::string& name) {
-  for (const FitParameter parameter : fit_parameters())
-    if (name == fit::to_string(parameter)) return parameter;
-  return std::nullopt;
-}
-
-double si_per_campaign_unit(FitParameter parameter) {
-  return parameter == FitParameter::amplitude ? 1e-3 : 1;
-}
-
-namespace {
-
-FitParameter require_fit_parameter(const StrictTable& table, std::string_view key, const std::string& name) {
-  if (const auto parameter = fit_parameter_named(name)) return *parameter;
-  std::vector<std::string> names;
-  for (const FitParameter known : fit_parameters()) names.emplace_back(fit::to_string(known));
-  const std::string near = nearest_word(name, names);
-  table.fail(key, fmt::format("names \"{}\", which cannot be fitted; {}", name,
-                              near.empty() ? fmt::format("these can: {}", fmt::join(names, ", "))
-                                           : fmt::format("did you mean \"{}\"?", near)));
-}
-
-/// A table of values by parameter name.
-std::map<FitParameter, double> read_values(StrictTable table, const std::vector<FitParameter>& allowed) {
-  std::map<FitParameter, double> values;
-  for (const FitParameter parameter : allowed) {
-    if (const auto value = read_number(table, kind_of(parameter), fit::to_string(parameter)))
-      values[parameter] = *value;
-  }
-  table.finish();
-  return values;
-}
-
-void read_priors(StrictTable prior, FitSection& fit) {
-  for (const std::string& name : prior.keys()) {
-    const FitParameter parameter = require_fit_parameter(prior, name, name);
-    if (std::ranges::count(fit.parameters, parameter) == 0)
-      prior.fail(name,
-                 "is not among `parameters`, and a prior of what is not fitted has no effect: add it "
-                 "there, or give the value with its sd where it belongs");
-    auto entry = prior.table(name);
-    const auto mean = read_number(*entry, kind_of(parameter), "mean");
-    const auto sd = entry->positive("sd");
-    entry->finish();
-    if (!mean || !sd) prior.fail(name, "needs a mean and an sd: { mean = 0.1, sd = 0.01 }");
-    fit.prior[parameter] = {*mean, *sd};
-  }
-  prior.finish();
-}
-
-}  // namespace
-
-void read_parameters(StrictTable& table, FitSection& fit, const fs::path&) {
-  const auto names = table.texts("parameters");
-  if (!names) return;
-  fit.parameters_given = true;
-  fit.parameters.clear();
-  for (const auto& name : *names) {
-    const FitParameter parameter = require_fit_parameter(table, "parameters", name);
-    if (std::ranges::count(fit.parameters, parameter) > 0)
-      table.fail("parameters", fmt::format("names \"{}\" twice", name));
-    fit.parameters.push_back(parameter);
-  }
-  if (fit.parameters.empty())
-    table.fail("parameters", "is empty; name what is to be fitted, such as [\"mu1\"]");
-}
-
-Json written_parameters(const FitSection& fit) {
-  Json names = Json::array();
-  for (const FitParameter parameter : fit.parameters) names.push_back(fit::to_string(parameter));
-  return names;
-}
-
-bool Exact::holds(std::string_view key) const {
-  return all || std::ranges::count(keys, key) > 0;
-}
-
-void read_exact(StrictTable& table, FitSection& fit, const fs::path&) {
-  if (!table.is_list("exact")) {
-    fit.exact.all = table.boolean("exact").value_or(false);
-    return;
-  }
-  std::map<std::string, std::string> known;  // by every name of it the key of what may have an sd
-  for (const CampaignSection& section : campaign_sections())
-    for (const KeyFacts& key : section.keys) {
-      if (std::ranges::count(section.keys, key.name + "_sd", &KeyFacts::name) == 0) continue;
-      known[key.name] = key.name;
-      for (const OtherName& other : other_names(key.name)) known[other.name] = key.name;
-    }
-  const std::string law = fit::to_string(fit::Source::friction_law);
-  known[law] = law;
-  std::vector<std::string> names;
-  for (const auto& [name, key] : known) names.push_back(name);
-  const std::vector<std::string> given = table.texts("exact").value();
-  for (const std::string& name : given) {
-    const std::string near = nearest_word(name, names);
-    if (!known.contains(name))
-      table.fail("exact", fmt::format("names \"{}\", which is no quantity with an sd; {}", name,
-                                      near.empty() ? fmt::format("these are: {}", fmt::join(names, ", "))
-                                                   : fmt::format("did you mean \"{}\"?", near)));
-    fit.exact.keys.push_back(known.at(name));
-  }
-}
-
-Json written_exact(const FitSection& fit) {
-  return fit.exact.all ? Json(true) : Json(fit.exact.keys);
-}
-
-double default_sd(const Exact& exact, std::string_view key, double value, const Digits& digits) {
-  struct Trade {
-    std::string_view key;
-    double absolute, relative;
-  };
-  constexpr double degree = std::numbers::pi / 180;
-  constexpr double kCaliper = 0.02, kLevel = 2e-3;
-  constexpr Trade kTrade[] = {{"amplitude_mm", 0, 0.005},
-                              {"amplitude_y_mm", 0, 0.005},
-                              {"amplitude_ratio", 0, 0.01},
-                              {"angular_frequency_rad_s", 0, 1e-4},
-                              {"phase_shift_rad", degree, 0},
-                              {"tilt_x_rad", kLevel, 0},
-                              {"tilt_y_rad", kLevel, 0},
-                              {"slope_rad", 0.1 * degree, 0},
-                              {"diameter_mm", kCaliper, 0},
-                              {"tag_mm", kCaliper, 0},
-                              {"mm_per_px", 0, 0},
-                              {"phi_rad", 0, 0},
-                              {"dtau_rad", 0, 0},
-                              {"start_phase_rad", 0, 0},
-                              {"phase_at_zero_rad", 0, 0}};
-  const auto* trade = std::ranges::find(kTrade, key, &Trade::key);
-  if (trade == std::end(kTrade) || exact.holds(key)) return 0;
-  const auto digit = digits.find(key);
-  // No instrument of the trade errs by more than a twentieth: a value that small is a slip.
-  const double absolute =
-      trade->absolute == kCaliper ? std::min(kCaliper, 0.05 * std::abs(value)) : trade->absolute;
-  return std::max({digit == digits.end() ? 0 : digit->second, absolute, trade->relative * std::abs(value)});
-}
-
-FitSection read_fit(StrictTable& table) {
-  if (table.is_table("start")) table.fail("start", kGuessHint);
-  FitSection fit;
-  read_keys(table, fit_keys(), fit);
-  if (auto guesses = table.table("guess")) fit.guess = read_values(*guesses, fit_parameters());
-  if (auto fixed = table.table("fixed"))
-    fit.fixed =
-        read_values(*fixed, {FitParameter::mu1, FitParameter::mu2, FitParameter::lag, FitParameter::delay});
-  for (const auto& [parameter, value] : fit.fixed)
-    if (std::ranges::count(fit.parameters, parameter) > 0)
-      table.fail("fixed",
-                 fmt::format("holds {}, which `parameters` lists as fitted; take it out of one of them",
-                             fit::to_string(parameter)));
-  if (auto prior = table.table("prior")) read_priors(*prior, fit);
-  table.finish();
-  return fit;
-}
-
-ScopeSection read_scope(StrictTable& table) {
-  ScopeSection scope;
-  read_keys(table, scope_keys(), scope);
-  if (scope.sensor_channel != 0 && scope.sensor_channel == scope.actuator_channel) {
-    const bool of_sensor = table.has("sensor_channel");
-    table.fail(of_sensor ? "sensor_channel" : "actuator_channel",
-               fmt::format("is {}, and so is `{}`: one channel holds either the sensor's pulses or the "
-                           "actuator's bursts",
-                           scope.sensor_channel, of_sensor ? "actuator_channel" : "sensor_channel"));
-  }
-  table.finish();
-  return scope;
 }
 
 }  // namespace tribotrack::apps
