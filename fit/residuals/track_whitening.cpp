@@ -26,10 +26,11 @@ ErrorShapes error_shapes(const std::vector<double>& times, double w, double star
   const auto n = static_cast<Eigen::Index>(times.size());
   const Eigen::ArrayXd t = Eigen::Map<const Eigen::ArrayXd>(times.data(), n);
   const double duration = times.back();
-  std::vector<Eigen::ArrayXd> columns;
-  const auto add = [&](ErrorPart part, const Eigen::ArrayXd& column) {
+  constexpr auto kMost = static_cast<Eigen::Index>(1 + kWalkModes + 6);
+  Eigen::MatrixXd columns(n, kMost);
+  const auto add = [&](ErrorPart part, const auto& column) {
     if (!wanted[index(part)]) return;
-    columns.push_back(column);
+    columns.col(static_cast<Eigen::Index>(shapes.part.size())) = column;
     shapes.part.push_back(index(part));
   };
   add(ErrorPart::drift, (t - 0.5 * duration) / reference_time);
@@ -42,9 +43,7 @@ ErrorShapes error_shapes(const std::vector<double>& times, double w, double star
     add(part, (order * (start_phase + w * t)).cos());
     add(part, (order * (start_phase + w * t)).sin());
   }
-  shapes.values.resize(n, static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t j = 0; j < columns.size(); ++j)
-    shapes.values.col(static_cast<Eigen::Index>(j)) = columns[j];
+  shapes.values = columns.leftCols(static_cast<Eigen::Index>(shapes.part.size()));
   return shapes;
 }
 

@@ -65,5 +65,33 @@ TEST_F(Calibrated, ACampaignNamesIt) {
   EXPECT_THAT(run("run campaign.toml -o out --dry-run").out, HasSubstr("track again, measure"));
 }
 
+TEST_F(Calibrated, AStraightLensIsAScale) {
+  calibration(0);
+  ASSERT_EQ(run("track slide.cine --mm-per-px 0.05 -o plain.csv -q").exit_code, 0);
+  const Outcome outcome = run("track slide.cine --calibration calibration.json -o t.csv --explain");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NEAR(last_x("t.csv") / last_x("plain.csv"), 1, 1e-6);
+  EXPECT_THAT(outcome.err, HasSubstr("lens and tilt"));
+  const Json meta = Json::parse(content_of(in_folder("t.csv.meta.json")));
+  EXPECT_EQ(meta["scale"]["source"], "calibration");
+  EXPECT_EQ(meta["scale"]["mm_per_px_sd"], 1e-5);
+}
+
+TEST_F(Calibrated, HeightAboveTheCalibratedPlaneMakesLengthsShorter) {
+  calibration(0);
+  ASSERT_EQ(run("track slide.cine --mm-per-px 0.05 -o plain.csv -q").exit_code, 0);
+  for (const char* scale : {"--calibration calibration.json", "--mm-per-px 0.05 --working-distance-mm 100"}) {
+    const Outcome outcome = run(std::string("track slide.cine --height-mm 2 -o t.csv --explain ") + scale);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NEAR(last_x("t.csv") / last_x("plain.csv"), 0.98, 1e-6) << scale;
+  }
+  // By its own diameter the part's top needs no correction, and there is no marker below.
+  ASSERT_EQ(run("track slide.cine --disc-diameter-mm 1.2 -o plain.csv -q").exit_code, 0);
+  ASSERT_EQ(run("track slide.cine --disc-diameter-mm 1.2 --height-mm 2 --working-distance-mm 100 -o t.csv -q")
+                .exit_code,
+            0);
+  EXPECT_EQ(last_x("t.csv"), last_x("plain.csv"));
+}
+
 }  // namespace
 }  // namespace tribotrack::apps

@@ -152,5 +152,22 @@ TEST_F(Commands, BootstrapLossAndRivalsAreToldInTheResult) {
   expect_refused(run("fit c.toml -o fit.json --loss mean"), 2, {"--loss"});
 }
 
+TEST_F(Commands, EveryFormatOfSynthIsReadBackAndTracked) {
+  for (const char* format : {"a.cine", "b.mkv", "c.avi", "d.mp4", "e/%05d.png", "f/%05d.tif"}) {
+    std::filesystem::create_directories(in_folder("e"));
+    std::filesystem::create_directories(in_folder("f"));
+    render_slide(format);
+    const Outcome outcome =
+        run(std::string("track ") + format + " --fps 1000 --mm-per-px 0.05 -o t.csv --json -q");
+    ASSERT_EQ(outcome.exit_code, 0) << format << ": " << outcome.err;
+    EXPECT_EQ(Json::parse(outcome.out)["ok"], 40) << format;
+  }
+  render_slide("deep.cine", {.video = "bits = 12\n"});
+  const Json info = Json::parse(run("probe deep.cine --json").out);
+  EXPECT_EQ(info["bits"], 12);
+  EXPECT_EQ(info["frames"], 40);
+  EXPECT_EQ(info["time_base"]["rate_hz"], 1000);
+}
+
 }  // namespace
 }  // namespace tribotrack::apps

@@ -120,5 +120,16 @@ TEST(BetweenSlides, PooledMeanCountsTheScatter) {
   EXPECT_GT(fit.p_value, 1e-3) << "each slide by itself agrees with constant friction";
 }
 
+TEST(BetweenSlides, SlidesThatAgreeAreNotWarnedOf) {
+  Problem problem;
+  problem.free = {FitParameter::mu1};
+  problem.trajectory_runs = slides_of({0.17, 0.17, 0.17, 0.17}, 13);
+  const FitResult fit = estimate(problem, quick());
+  EXPECT_GT(fit.between_slides.p_value, 0.05);
+  EXPECT_TRUE(fit.warnings.empty()) << fit.warnings.front();
+  EXPECT_LT(fit.parameters.front().ci95.low, 0.17);
+  EXPECT_GT(fit.parameters.front().ci95.high, 0.17);
+}
+
 }  // namespace
 }  // namespace tribotrack::fit

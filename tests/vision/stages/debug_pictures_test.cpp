@@ -109,5 +109,18 @@ TEST(DebugPictures, RequestedFramesAreShownAndUnknownOnesRefused) {
   EXPECT_THROW(looked.track_and_show(), InputError);
 }
 
+TEST(DebugPictures, LookingChangesNothing) {
+  const TrackResult& shown = ordinary().result;
+  SceneSource source(ordinary().scene);
+  TrackOptions options = ordinary().options;
+  options.debug = nullptr;
+  const TrackResult plain = track(source, options);
+  for (std::size_t k = 0; k < plain.track.points.size(); ++k) {
+    EXPECT_EQ(plain.track.points[k].x, shown.track.points[k].x);
+    EXPECT_EQ(plain.track.points[k].y, shown.track.points[k].y);
+    EXPECT_EQ(plain.track.points[k].sigma_x, shown.track.points[k].sigma_x);
+  }
+}
+
 }  // namespace
 }  // namespace tribotrack::vision
