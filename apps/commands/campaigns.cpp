@@ -74,12 +74,7 @@ void add_run(CLI::App& app, Context& context) {
       ->type_name("snakemake");
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.add_flag("--wait", options->wait, "Wait while another run is writing into DIR (default: refuse)");
-  add_common(
-      command, context,
-      "  tribotrack run data/example/campaign.toml\n\nA campaign may give KEY_sd beside each "
-      "quantity (amplitude_mm_sd, gravity_m_s2_sd, phi_rad_sd, ...): the "
-      "intervals include it. Without one they have that of the last digit or a typical one, unless [fit] "
-      "exact names them.");
+  add_common(command, context, std::string("  tribotrack run data/example/campaign.toml") + kOfSds);
   command.callback([options, &context] {
     if (options->output.empty()) options->output = output_of(campaign_file(options->campaign)).string();
     run_command(*options, context);
@@ -100,10 +95,7 @@ struct FitCommandOptions {
 
 /// Refuses to write over what is read, and into the folder of a `run` that is under way.
 void check_output(const Campaign& campaign, const FitCommandOptions& options) {
-  if (is_standard_output(options.output)) {
-    if (options.json) throw UsageError("give -o - or --json: both would go to standard output");
-    return;
-  }
+  if (is_printed(options.output, options.json)) return;
   std::vector<fs::path> inputs = campaign.input_files();
   if (!options.choices.tracks.empty())
     for (const CampaignRun& run : campaign.runs) {
@@ -178,13 +170,10 @@ void add_fit(CLI::App& app, Context& context) {
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.add_flag("--explain", options->explain,
                    "Print the whole report: residuals, correlations, what was left out");
-  add_common(
-      command, context,
-      "  tribotrack fit campaign.toml -o fit.json\n  tribotrack fit campaign.toml --tracks out/tracks "
-      "-o fit.json --json\n\nA campaign may give KEY_sd beside each quantity (amplitude_mm_sd, "
-      "gravity_m_s2_sd, phi_rad_sd, ...): the "
-      "intervals include it. Without one they have that of the last digit or a typical one, unless [fit] "
-      "exact names them.");
+  add_common(command, context,
+             std::string("  tribotrack fit campaign.toml -o fit.json\n  tribotrack fit campaign.toml "
+                         "--tracks out/tracks -o fit.json --json") +
+                 kOfSds);
   command.callback([options, &context] { fit_command(*options, context); });
 }
 

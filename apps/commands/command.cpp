@@ -88,6 +88,12 @@ void add_common(CLI::App& command, Context& context, const std::string& example)
       "\n\nExit codes: 0 done, 2 usage, 3 bad input or output, 4 a quality gate failed, 5 fit unusable.");
 }
 
+bool is_printed(const std::string& output, bool json) {
+  const bool printed = is_standard_output(output);
+  if (printed && json) throw UsageError("give -o - or --json: both would go to standard output");
+  return printed;
+}
+
 void add_angle(CLI::App& command, const std::string& flag, std::optional<double>& value,
                const std::string& help) {
   add_parsed(command, flag, value, help, parse_angle,

@@ -19,6 +19,16 @@ void add_angle(CLI::App& command, const std::string& flag, std::optional<double>
 void add_number(CLI::App& command, const std::string& flag, std::optional<double>& value,
                 const std::string& help);
 
+/// Does a result go to standard output? Throws UsageError where the object of --json would go there, too.
+bool is_printed(const std::string& output, bool json);
+
+/// At the end of the help of `run` and `fit`.
+inline constexpr const char* kOfSds =
+    "\n\nA campaign may give KEY_sd beside each quantity (amplitude_mm_sd, gravity_m_s2_sd, phi_rad_sd, "
+    "...): "
+    "the intervals include it. Without one they have that of the last digit or a typical one, unless [fit] "
+    "exact names them.";
+
 void add_simulate(CLI::App& app, Context& context);
 void add_sweep(CLI::App& app, Context& context);
 void add_synth(CLI::App& app, Context& context);

@@ -33,11 +33,7 @@ struct MeasureOptions {
 };
 
 void check_output(const MeasureOptions& options) {
-  if (options.output.empty()) return;
-  if (is_standard_output(options.output)) {
-    if (options.json) throw UsageError("give -o - or --json: both would go to standard output");
-    return;
-  }
+  if (options.output.empty() || is_printed(options.output, options.json)) return;
   require_writable({{options.output}}, {options.track, options.track + ".meta.json"});
 }
 

@@ -80,10 +80,7 @@ std::string table_of(const model::Trajectory& trajectory, int samples_per_cycle)
 
 /// One output, by name or standard output, and a scenario file that it must not replace.
 void check_output(const std::string& output, const std::string& scenario, bool json) {
-  if (is_standard_output(output)) {
-    if (json) throw UsageError("give -o - or --json: both would go to standard output");
-    return;
-  }
+  if (is_printed(output, json)) return;
   std::vector<std::filesystem::path> inputs;
   if (!scenario.empty()) inputs.emplace_back(scenario);
   require_writable({{output}}, inputs);

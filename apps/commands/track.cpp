@@ -146,10 +146,7 @@ void print_explanation(const vision::TrackResult& result) {
 
 void check_outputs(const TrackCommandOptions& options, const std::vector<std::filesystem::path>& inputs) {
   std::vector<Output> outputs;
-  if (!is_standard_output(options.output))
-    outputs.push_back({options.output});
-  else if (options.json)
-    throw UsageError("give -o - or --json: both would go to standard output");
+  if (!is_printed(options.output, options.json)) outputs.push_back({options.output});
   for (const std::string& pictures : {options.overlay, options.first_frame})
     if (!pictures.empty()) outputs.push_back({pictures, Content::pictures});
   require_writable(outputs, inputs);
