@@ -65,8 +65,9 @@ class Equation {
     const double speed = u.norm();
     return speed > 0 ? Eigen::Vector2d(u / speed) : drive(t).normalized();
   }
-  Eigen::Vector2d acceleration(double t, const Eigen::Vector2d& u) const {
-    return drive(t) - deceleration(t, u.norm()).value * direction(t, u);
+  Eigen::Vector2d acceleration(double t, const Eigen::Vector2d& u, const Eigen::Vector2d& drive) const {
+    const double speed = u.norm(), m = deceleration(t, speed).value;
+    return drive - m * (speed > 0 ? Eigen::Vector2d(u / speed) : drive.normalized());
   }
   bool holds(double t) const {
     return drive(t).norm() <= (1 + law_.static_friction) * deceleration(t, 0).value;
@@ -242,16 +243,21 @@ class Integration {
     const Eigen::Vector2d by_time = f_.jerk(t_) - m.by_time * along;
     const Eigen::Matrix2d solved = (Eigen::Matrix2d::Identity() / (h * kGamma) - jacobian).inverse();
     State stage[kStages], at = q_;
+    Eigen::Vector2d drive = f_.drive(t_);
+#pragma GCC unroll 6
     for (int i = 0; i < kStages; ++i) {
       State sum = State::Zero();
       at = q_;
+#pragma GCC unroll 6
       for (int j = 0; j < i; ++j) {
         at += kA[i][j] * stage[j];
-        sum += kC[i][j] / h * stage[j];
+        sum += kC[i][j] * stage[j];
       }
+      sum /= h;
       const Eigen::Vector2d velocity = at.tail<2>();
-      stage[i].tail<2>() =
-          solved * (f_.acceleration(t_ + kTime[i] * h, velocity) + sum.tail<2>() + h * kByTime[i] * by_time);
+      if (i > 0 && kTime[i] != kTime[i - 1]) drive = f_.drive(t_ + kTime[i] * h);
+      stage[i].tail<2>() = solved * (f_.acceleration(t_ + kTime[i] * h, velocity, drive) + sum.tail<2>() +
+                                     h * kByTime[i] * by_time);
       stage[i].head<2>() = h * kGamma * (velocity + sum.head<2>() + stage[i].tail<2>());
     }
     return {at + stage[kStages - 1], stage[kStages - 1]};
