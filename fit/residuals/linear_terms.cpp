@@ -12,7 +12,7 @@ namespace tribotrack::fit::internal {
 namespace {
 
 /// Differences of two motions: of the path.
-constexpr double kTolerance = 4e-6;
+constexpr double kTolerance = 1e-6;
 
 /// A step far above the integration's error over which a displacement is still linear.
 double step_of(FitParameter law) {
@@ -38,10 +38,9 @@ model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values) 
           .static_friction = of(FitParameter::static_friction)};
 }
 
-/// What the laws at `values` add to a run's displacement `by_paper`, and the derivatives by those that are
-/// unknown.
+/// What the laws at `values` add to a run's displacement, and the derivatives by those that are unknown.
 void add_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const SummaryRun& run,
-              const Eigen::Vector2d& by_paper, Eigen::Vector2d& by_laws, Eigen::Matrix2Xd& columns) {
+              Eigen::Vector2d& by_laws, Eigen::Matrix2Xd& columns) {
   const AppliedScenario applied = unknowns.apply_summary(values, run, false);
   if (applied.scenario.start != model::Start::rest) return;  // other laws are integrated from rest
   const auto moved = [&](const model::RivalLaw& law) -> Eigen::Vector2d {
@@ -54,7 +53,7 @@ void add_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Sum
   if (undone) sharp(*edges) = 0, soft(*edges) = -values(*edges);
   const Eigen::Vector2d without_edges = moved(law_at(unknowns, sharp)),
                         with = undone ? moved(law_at(unknowns, soft)) : without_edges;
-  if (law_at(unknowns, soft) != model::RivalLaw{}) by_laws = 2 * without_edges - with - by_paper;
+  if (law_at(unknowns, soft) != model::RivalLaw{}) by_laws = 2 * without_edges - with - moved({});
   for (const FitParameter law : kLaws) {
     const auto i = unknowns.find(law);
     if (!i) continue;
@@ -131,7 +130,7 @@ std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen
         run.here.jacobian(Eigen::all, laws) = columns;
         run.by_laws = known.by_laws + columns * (values - laws_of->values_)(laws);
       } else if (!laws.empty()) {
-        add_laws(unknowns, values, data, run.here.position, run.by_laws, run.here.jacobian);
+        add_laws(unknowns, values, data, run.by_laws, run.here.jacobian);
       }
       run.here.position += run.by_laws;
     });
