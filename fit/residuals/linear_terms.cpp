@@ -12,7 +12,7 @@ namespace tribotrack::fit::internal {
 namespace {
 
 /// Differences of two motions: of the path.
-constexpr double kTolerance = 1e-6;
+constexpr double kTolerance = 4e-6;
 
 /// A step far above the integration's error over which a displacement is still linear.
 double step_of(FitParameter law) {
