@@ -1,8 +1,5 @@
-// tribotrack watch: the experiment in closed loop, from each recording to the run to film next. tribotrack
-// open: one page on this machine from a folder of recordings to its report.
+// tribotrack watch: the experiment in closed loop, from each recording to the run to film next.
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -10,14 +7,10 @@
 #include <numbers>
 
 #include "apps/commands/command.h"
-#include "apps/open/server.h"
-#include "apps/open/session.h"
 #include "apps/pipeline/campaign_runner.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
-#include "apps/text/json.h"
 #include "apps/text/output_file.h"
-#include "apps/usage/wrong_usage.h"
 #include "apps/watch/arrivals.h"
 #include "apps/watch/growing_campaign.h"
 
@@ -190,67 +183,6 @@ void add_watch(CLI::App& app, Context& context) {
     watcher.watch();
     watcher.finish();
   });
-}
-
-namespace {
-
-struct OpenOptions {
-  std::string given = ".";
-  int port = 0;
-  bool no_browser = false, json = false;
-};
-
-/// By the desktop, where there is one; a grandchild, so that nothing waits for it.
-void show_in_browser(const std::string& url) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    if (::fork() == 0) {
-      ::setsid();
-      for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) ::close(stream);
-      ::execlp("xdg-open", "xdg-open", url.c_str(), nullptr);
-    }
-    ::_exit(0);
-  }
-  if (child > 0) ::waitpid(child, nullptr, 0);
-}
-
-void open_command(const OpenOptions& options, const Context& context) {
-  OpenSession session(options.given, context);
-  LocalServer server(options.port, [&session](const Asked& asked) { return session.answer(asked); });
-  const LastWords ended("the page is closed; the campaign is as it was last written");
-  print_text(options.json ? text_of(Json{{"url", server.url()}, {"folder", session.folder().string()}})
-                          : server.url() + "\n");
-  flush_output();
-  say(context.quiet,
-      fmt::format("the page for {}: open this address in a browser on this machine; Ctrl-C ends it",
-                  session.folder().string()));
-  if (!options.no_browser) show_in_browser(server.url());
-  server.listen();
-}
-
-}  // namespace
-
-void add_open(CLI::App& app, Context& context) {
-  auto options = std::make_shared<OpenOptions>();
-  CLI::App& command = *app.add_subcommand(
-      "open",
-      "A page in the browser for the whole path: recordings, pointing, tracking, checks, fit and report");
-  command
-      .add_option(
-          "FOLDER", options->given,
-          "Folder of recordings, with or without a campaign.toml, or a campaign (default: this folder)")
-      ->type_name("FOLDER|CAMPAIGN.toml");
-  command.add_option("--port", options->port, "Port on 127.0.0.1 (default: a free one)")
-      ->type_name("PORT")
-      ->check(whole_number(1, 65535));
-  command.add_flag("--json", options->json, "Print address and folder as one JSON object");
-  command.add_flag("--no-browser", options->no_browser, "Print the address only");
-  add_common(
-      command, context,
-      "  tribotrack open recordings\n\nThe page is served to this machine alone, to whoever has its secret "
-      "address. It reads and writes the campaign in that folder and fills CAMPAIGN-out beside it; whatever "
-      "it does is a command that it shows.");
-  command.callback([options, &context] { open_command(*options, context); });
 }
 
 }  // namespace tribotrack::apps
