@@ -303,7 +303,7 @@ TrackResult track_each_picture_once(
     result = run(watch, inner);
     found = watch.found();
   }
-  if (found.weaved) throw InputError(in_quotes(recording.info().path) + " " + kWeavedFields);
+  if (found.weaved) refuse(recording.info().path, "{}", kWeavedFields);
   std::erase_if(found.repeated, [&](std::int64_t index) { return index <= first || index > last; });
   if (!found.repeated.empty() || options.debug) {
     std::vector<std::int64_t> once;

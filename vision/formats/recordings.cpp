@@ -45,10 +45,9 @@ void refuse_norpix(const fs::path& path) {
   std::array<char, 8> begin{};
   std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
   if (begin == kMark || path.extension() == ".seq")
-    throw InputError(
-        in_quotes(path) +
-        " is a sequence of Norpix StreamPix (.seq), which is not read; export it from StreamPix as "
-        "uncompressed AVI or TIFF and give its rate with --fps");
+    refuse(path,
+           "is a sequence of Norpix StreamPix (.seq), which is not read; export it from StreamPix as "
+           "uncompressed AVI or TIFF and give its rate with --fps");
 }
 
 /// A table, a campaign, a list of other files: libav would say of it what it is not.
@@ -59,8 +58,7 @@ void refuse_text(const fs::path& path) {
   const std::string_view head(begin.data(), static_cast<std::size_t>(stream.gcount()));
   const auto is_print = [](char c) { return (c >= ' ' && c <= '~') || (c >= '\t' && c <= '\r'); };
   if (head.empty() || head.starts_with("YUV4MPEG2") || !std::ranges::all_of(head, is_print)) return;
-  throw InputError(in_quotes(path) +
-                   " is no video that can be read but a text; name a recording, or check the file");
+  refuse(path, "is no video that can be read but a text; name a recording, or check the file");
 }
 
 }  // namespace
@@ -117,9 +115,7 @@ Codec codec_by_name(const std::filesystem::path& path) {
   if (extension == ".mp4" || extension == ".mov") return Codec::h264;
   if (extension == ".png") return Codec::png;
   if (extension == ".tif" || extension == ".tiff") return Codec::tiff;
-  throw InputError(in_quotes(path) +
-                   " has no extension of a recording format: use .cine, .mkv, .avi, .mp4, "
-                   "%05d.png or %05d.tif");
+  refuse(path, "has no extension of a recording format: use .cine, .mkv, .avi, .mp4, %05d.png or %05d.tif");
 }
 
 }  // namespace
@@ -139,10 +135,9 @@ std::unique_ptr<FrameSink> create_sink(const std::filesystem::path& path, const 
   SinkOptions options = given;
   if (options.codec == Codec::automatic) options.codec = codec_by_name(path);
   if (options.width <= 0 || options.height <= 0)
-    throw InputError(in_quotes(path) + " cannot be written: a picture of " + std::to_string(options.width) +
-                     " x " + std::to_string(options.height) + " pixels has no area");
+    refuse(path, "cannot be written: a picture of {} x {} pixels has no area", options.width, options.height);
   if (!(options.frame_rate_hz > 0) || !std::isfinite(options.frame_rate_hz))
-    throw InputError(in_quotes(path) + " cannot be written: the frame rate must be a positive number");
+    refuse(path, "cannot be written: the frame rate must be a positive number");
   switch (options.codec) {
     case Codec::cine:
       return create_cine_sink(path, options);

@@ -1,6 +1,8 @@
 // Files as they are read: memory maps, little-endian numbers, how large a picture may be, names in messages.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +11,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+
+#include "vision/picture.h"
 
 namespace tribotrack::vision {
 
@@ -19,6 +24,13 @@ inline std::string in_quotes(const std::filesystem::path& path) {
   text += path.string();
   text += '\'';
   return text;
+}
+
+/// Throws InputError: the file's name, then what is wrong with it and what to do.
+template <class... Values>
+[[noreturn]] void refuse(const std::filesystem::path& file, fmt::format_string<Values...> clause,
+                         Values&&... values) {
+  throw InputError(in_quotes(file) + " " + fmt::format(clause, std::forward<Values>(values)...));
 }
 
 // A file seen as memory.

@@ -31,7 +31,7 @@ class TiffFile {
     const bool marked = head[0] == head[1] && (head[0] == 'I' || head[0] == 'M');
     const std::uint64_t version = number(2, 2, "the TIFF header");
     if (!marked || (version != 42 && version != 43))
-      throw InputError(in_quotes(path) + " is not a TIFF; check the file and its extension");
+      refuse(path, "is not a TIFF; check the file and its extension");
     large_ = version == 43;
   }
 
@@ -49,14 +49,12 @@ class TiffFile {
     while (page != 0) {
       const std::string what = "the directory of page " + std::to_string(seen.size());
       if (!seen.insert(page).second)
-        throw InputError(in_quotes(file_.path()) + " is damaged: its page list is circular; export it again");
+        refuse(file_.path(), "is damaged: its page list is circular; export it again");
       const std::uint64_t entries = number(page, count_bytes, what);
-      if (entries > 65535)
-        throw InputError(in_quotes(file_.path()) + " is damaged: " + what + " is invalid; export it again");
+      if (entries > 65535) refuse(file_.path(), "is damaged: {} is invalid; export it again", what);
       walked += entries * entry_bytes();
       if (walked > file_.size())
-        throw InputError(in_quotes(file_.path()) + " is damaged: " + what +
-                         " shares bytes with others; export it again");
+        refuse(file_.path(), "is damaged: {} shares bytes with others; export it again", what);
       const std::uint64_t next = number(page + count_bytes + entries * entry_bytes(), word, what);
       visit(page + count_bytes, entries);
       page = next;
@@ -134,10 +132,10 @@ void require_sensible_pages(const std::filesystem::path& path) {
     const std::uint64_t bytes = page.picture.width * page.picture.height * depth / 8;
     all += bytes;
     if (bytes > kMostBytes || all / kDensest > std::filesystem::file_size(path))
-      throw InputError(in_quotes(path) + " is damaged or too large: it claims pictures of " +
-                       std::to_string(std::max(bytes, all) >> 20) + " MB, where a page of " +
-                       std::to_string(kMostBytes >> 20) + " and in all " + std::to_string(kDensest) +
-                       " times the file are read; export it again, or crop it");
+      refuse(path,
+             "is damaged or too large: it claims pictures of {} MB, where a page of {} and in all {} times "
+             "the file are read; export it again, or crop it",
+             std::max(bytes, all) >> 20, kMostBytes >> 20, kDensest);
   });
 }
 
@@ -221,13 +219,13 @@ void require_decodable_picture(const std::filesystem::path& path) {
   else if (bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6')
     size = pgm_size(bytes);
   else
-    throw InputError(in_quotes(path) +
-                     " cannot be decoded as a picture: it is neither PNG, TIFF, BMP, JPEG nor PGM; export it "
-                     "as one of these");
+    refuse(path,
+           "cannot be decoded as a picture: it is neither PNG, TIFF, BMP, JPEG nor PGM; export it as one of "
+           "these");
   if (!size)
-    throw InputError(in_quotes(path) +
-                     " cannot be decoded as a picture: it ends before it states its size, "
-                     "so it is cut short or damaged; copy or export it again");
+    refuse(path,
+           "cannot be decoded as a picture: it ends before it states its size, so it is cut short or "
+           "damaged; copy or export it again");
   require_sensible_size(path, size->width, size->height, file.size());
 }
 

@@ -17,10 +17,6 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 namespace at = cine_layout;
 
-[[noreturn]] void refuse(const MappedFile& file, const std::string& reason) {
-  throw InputError(in_quotes(file.path()) + " " + reason);
-}
-
 template <typename Number>
 std::optional<Number> field(Bytes block, std::size_t offset) {
   if (offset + sizeof(Number) > block.size()) return std::nullopt;
@@ -45,8 +41,10 @@ void read_bitmap(const MappedFile& file, Bytes bitmap, CineHeader& header) {
     return;
   }
   if (packing != at::unpacked)
-    refuse(file, "packs its pixels in a form (biCompression " + std::to_string(packing) +
-                     ") that is not known here; export it as uncompressed .cine or TIFF");
+    refuse(file.path(),
+           "packs its pixels in a form (biCompression {}) that is not known here; export it as uncompressed "
+           ".cine or TIFF",
+           packing);
   switch (bits) {
     case 8:
       header.pixels = CinePixels::grey8;
@@ -61,8 +59,10 @@ void read_bitmap(const MappedFile& file, Bytes bitmap, CineHeader& header) {
       header.pixels = CinePixels::bgr48;
       break;
     default:
-      refuse(file, "is damaged or of an unknown kind: " + std::to_string(bits) +
-                       " bits per pixel, where 8, 16, 24 or 48 are known; export it as TIFF");
+      refuse(file.path(),
+             "is damaged or of an unknown kind: {} bits per pixel, where 8, 16, 24 or 48 are known; export "
+             "it as TIFF",
+             bits);
   }
   header.top_down = height < 0;
   header.bits = bits == 16 || bits == 48 ? 16 : 8;
@@ -84,15 +84,19 @@ int significant_bits(const CineHeader& header, std::optional<std::uint32_t> real
 
 void refuse_colour_mosaic(const MappedFile& file, std::uint16_t compression, std::uint32_t filter) {
   if (compression == at::lead_jpeg)
-    refuse(file, "holds JPEG pictures (LEAD), which are not read; export it as uncompressed .cine or TIFF");
+    refuse(file.path(),
+           "holds JPEG pictures (LEAD), which are not read; export it as uncompressed .cine or TIFF");
   if (compression != at::grey_or_rgb && compression != at::colour_mosaic)
-    refuse(file, "is compressed in a form (Compression " + std::to_string(compression) +
-                     ") that is not known here; export it as uncompressed .cine or TIFF");
+    refuse(file.path(),
+           "is compressed in a form (Compression {}) that is not known here; export it as uncompressed .cine "
+           "or TIFF",
+           compression);
   if (compression == at::colour_mosaic)
-    refuse(file,
-           "is a raw recording of a colour camera (colour filter mosaic, type " + std::to_string(filter) +
-               "): neighbouring pixels see different colours, so it is not a grey picture and nothing is "
-               "measured in it; export it from the camera's program as grey .cine or as TIFF");
+    refuse(file.path(),
+           "is a raw recording of a colour camera (colour filter mosaic, type {}): neighbouring pixels see "
+           "different colours, so it is not a grey picture and nothing is measured in it; export it from the "
+           "camera's program as grey .cine or as TIFF",
+           filter);
 }
 
 /// Walks the tagged blocks for the images' time stamps and exposures.
@@ -103,8 +107,8 @@ void read_tagged_blocks(const MappedFile& file, std::uint64_t begin, std::uint64
     const auto size = load<std::uint32_t>(head, 0);
     const auto type = load<std::uint16_t>(head, 4);
     if (size < at::block_head_bytes || size > end - begin)
-      refuse(file, "is damaged: the tagged block at byte " + std::to_string(begin) + " claims " +
-                       std::to_string(size) + " bytes; copy the recording again");
+      refuse(file.path(), "is damaged: the tagged block at byte {} claims {} bytes; copy the recording again",
+             begin, size);
     const Bytes body = file.bytes(begin, size, "a tagged block").subspan(at::block_head_bytes);
     if (type == at::time_block && body.size() >= count * sizeof(CineTime)) {
       header.stamps.resize(count);
@@ -139,10 +143,10 @@ void read_image_table(const MappedFile& file, std::uint64_t position, std::uint3
         wide ? load<std::uint64_t>(table, i * entry) : load<std::uint32_t>(table, i * entry);
     const std::uint64_t needed = least_annotation + header.image_bytes;
     if (offset < at::file_header_bytes || offset > file.size() || needed > file.size() - offset)
-      refuse(file, "is cut short or damaged: " + image_name(header, i) + " should take bytes " +
-                       std::to_string(offset) + " to " + std::to_string(offset + needed) +
-                       ", but the file has " + std::to_string(file.size()) +
-                       "; copy or save the recording again");
+      refuse(file.path(),
+             "is cut short or damaged: {} should take bytes {} to {}, but the file has {}; copy or save the "
+             "recording again",
+             image_name(header, i), offset, offset + needed, file.size());
     header.image_offsets[i] = offset;
   }
 }
@@ -165,14 +169,13 @@ void give_images_room(const MappedFile& file, std::span<const Stretch> head, Cin
     const std::size_t i = order[k];
     for (const Stretch& part : head)
       if (offsets[i] < part.begin + part.length && part.begin < offsets[i] + needed)
-        refuse(file, "is damaged: " + image_name(header, i) + " at byte " + std::to_string(offsets[i]) +
-                         " lies in " + part.what + "; copy or save the recording again");
+        refuse(file.path(), "is damaged: {} at byte {} lies in {}; copy or save the recording again",
+               image_name(header, i), offsets[i], part.what);
     const bool last = k + 1 == order.size();
     header.image_rooms[i] = (last ? file.size() : offsets[order[k + 1]]) - offsets[i];
     if (header.image_rooms[i] < needed)
-      refuse(file, "is damaged: " + image_name(header, i) + " and " + image_name(header, order[k + 1]) +
-                       " share bytes from " + std::to_string(offsets[order[k + 1]]) +
-                       " on; copy or save the recording again");
+      refuse(file.path(), "is damaged: {} and {} share bytes from {} on; copy or save the recording again",
+             image_name(header, i), image_name(header, order[k + 1]), offsets[order[k + 1]]);
   }
 }
 
@@ -182,36 +185,38 @@ CineHeader read_cine_header(const MappedFile& file) {
   CineHeader header;
   const Bytes head = file.bytes(0, at::file_header_bytes, "the .cine header");
   if (head[0] != 'C' || head[1] != 'I')
-    refuse(file, "is not a Phantom .cine (it does not begin with 'CI'); check the file and its extension");
+    refuse(file.path(),
+           "is not a Phantom .cine (it does not begin with 'CI'); check the file and its extension");
   const auto version = load<std::uint16_t>(head, at::version);
   if (version > 1)
-    refuse(file, "is a .cine of version " + std::to_string(version) +
-                     ", but only 0 and 1 are known; export it as TIFF");
+    refuse(file.path(), "is a .cine of version {}, but only 0 and 1 are known; export it as TIFF", version);
   const auto header_size = load<std::uint16_t>(head, at::header_size);
   if (header_size != at::file_header_bytes)
-    refuse(file, "has a header of " + std::to_string(header_size) + " bytes, but only one of " +
-                     std::to_string(at::file_header_bytes) +
-                     " is known: it is damaged or of another kind of .cine; copy it again, or export it as "
-                     "TIFF");
+    refuse(file.path(),
+           "has a header of {} bytes, but only one of {} is known: it is damaged or of another kind of "
+           ".cine; copy it again, or export it as TIFF",
+           header_size, at::file_header_bytes);
   const auto count = load<std::uint32_t>(head, at::image_count);
-  if (count == 0) refuse(file, "holds no image (its header counts 0); save the recording again");
+  if (count == 0) refuse(file.path(), "holds no image (its header counts 0); save the recording again");
   header.first_image_number = load<std::int32_t>(head, at::first_image_number);
   header.trigger = load<CineTime>(head, at::trigger_time) & cine_time_mask;
 
   const auto bitmap_position = load<std::uint32_t>(head, at::bitmap_offset);
   const Bytes bitmap = file.bytes(bitmap_position, at::bitmap_bytes, "the bitmap header");
   if (const auto size = load<std::uint32_t>(bitmap, 0); size != at::bitmap_bytes)
-    refuse(file, "has a bitmap header of " + std::to_string(size) + " bytes, but only one of " +
-                     std::to_string(at::bitmap_bytes) +
-                     " is known: it is damaged or of another kind of .cine; copy it again, or export it as "
-                     "TIFF");
+    refuse(file.path(),
+           "has a bitmap header of {} bytes, but only one of {} is known: it is damaged or of another kind "
+           "of .cine; copy it again, or export it as TIFF",
+           size, at::bitmap_bytes);
   const auto setup_position = load<std::uint32_t>(head, at::setup_offset);
   const Bytes setup_head = file.bytes(setup_position, at::setup_length + 2, "the setup block");
   const bool marked = load<std::uint16_t>(setup_head, at::setup_mark) == at::setup_mark_value;
   const auto length = marked ? load<std::uint16_t>(setup_head, at::setup_length) : at::setup_mark;
   if (length < at::setup_mark)
-    refuse(file, "is damaged: its setup block claims " + std::to_string(length) +
-                     " bytes, less than what every one holds; copy the recording again");
+    refuse(file.path(),
+           "is damaged: its setup block claims {} bytes, less than what every one holds; copy the recording "
+           "again",
+           length);
   const Bytes setup = file.bytes(setup_position, length, "the setup block");
 
   refuse_colour_mosaic(file, load<std::uint16_t>(head, at::compression),

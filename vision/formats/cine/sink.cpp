@@ -38,8 +38,7 @@ class CineSink : public FrameSink {
         temporary_(path),
         file_(temporary_.path(), std::ios::binary | std::ios::in | std::ios::out) {
     if (options.bits != 8 && options.bits != 12)
-      throw InputError(in_quotes(path) + " cannot hold " + std::to_string(options.bits) +
-                       " bits: a .cine is written with 8 or 12; .mkv takes 10");
+      refuse(path, "cannot hold {} bits: a .cine is written with 8 or 12; .mkv takes 10", options.bits);
     row_bytes_ = (static_cast<std::size_t>(options.width) * (options.bits == 8 ? 1 : 2) + 3) / 4 * 4;
     image_bytes_ = row_bytes_ * static_cast<std::size_t>(options.height);
     stored_.resize(annotation_bytes + image_bytes_);
@@ -60,8 +59,7 @@ class CineSink : public FrameSink {
   }
 
   void close() override {
-    if (count_ == 0)
-      throw InputError(in_quotes(temporary_.target()) + " would hold no frames; nothing was written");
+    if (count_ == 0) refuse(temporary_.target(), "would hold no frames; nothing was written");
     if (head_bytes(count_) > first_image_) move_images(head_bytes(count_));
     const Buffer head = make_head();
     file_.seekp(0);

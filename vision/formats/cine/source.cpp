@@ -147,14 +147,15 @@ class CineSource : public FrameSource {
     const std::uint64_t room = header_.image_rooms[static_cast<std::size_t>(index)];
     const auto annotation = load<std::uint32_t>(file_.bytes_unasked(offset, 8, what), 0);
     if (annotation < 8 || annotation > room - header_.image_bytes)
-      throw InputError(in_quotes(info_.path) + " is damaged: the annotation of " + what + " claims " +
-                       std::to_string(annotation) + " bytes, where 8 to " +
-                       std::to_string(room - header_.image_bytes) + " have room; copy the recording again");
+      refuse(info_.path,
+             "is damaged: the annotation of {} claims {} bytes, where 8 to {} have room; copy the recording "
+             "again",
+             what, annotation, room - header_.image_bytes);
     const auto size = load<std::uint32_t>(file_.bytes_unasked(offset + annotation - 4, 4, what), 0);
     if (size < header_.image_bytes)
-      throw InputError(in_quotes(info_.path) + " is damaged: " + what + " has " + std::to_string(size) +
-                       " bytes of pixels where " + std::to_string(header_.image_bytes) +
-                       " are needed; copy the recording again");
+      refuse(info_.path,
+             "is damaged: {} has {} bytes of pixels where {} are needed; copy the recording again", what,
+             size, header_.image_bytes);
     return file_.bytes_unasked(offset + annotation, header_.image_bytes, what);
   }
 

@@ -32,7 +32,7 @@ class LibavSink : public FrameSink {
     frame_->format = encoder_->pix_fmt;
     frame_->width = options.width;
     frame_->height = options.height;
-    if (const int error = av_frame_get_buffer(frame_.get(), 0); error < 0) refuse(error);
+    if (const int error = av_frame_get_buffer(frame_.get(), 0); error < 0) fail(error);
   }
 
   void write(const Picture& picture) override {
@@ -51,27 +51,25 @@ class LibavSink : public FrameSink {
   void write_rgb(int width, int height, const unsigned char* rgb) override {
     require_size(options_, width, height);
     if (!frame_->data[1])
-      throw InputError(in_quotes(temporary_.target()) +
-                       " cannot hold colour in this coding: choose .mp4 or .avi with "
-                       "even width and height, or .png");
+      refuse(temporary_.target(),
+             "cannot hold colour in this coding: choose .mp4 or .avi with even width and height, or .png");
     make_writable();
     store_as_yuv(rgb);
     encode_frame();
   }
 
   void close() override {
-    if (count_ == 0)
-      throw InputError(in_quotes(temporary_.target()) + " would hold no frames; nothing was written");
+    if (count_ == 0) refuse(temporary_.target(), "would hold no frames; nothing was written");
     avcodec_send_frame(encoder_.get(), nullptr);
     write_packets();
-    if (const int error = av_write_trailer(output_.get()); error < 0) refuse(error);
-    if (const int error = avio_closep(&output_->pb); error < 0) refuse(error);
+    if (const int error = av_write_trailer(output_.get()); error < 0) fail(error);
+    if (const int error = avio_closep(&output_->pb); error < 0) fail(error);
     output_.reset();
     temporary_.commit();
   }
 
  private:
-  [[noreturn]] void refuse(int error) const { temporary_.refuse(libav_error(error)); }
+  [[noreturn]] void fail(int error) const { temporary_.refuse(libav_error(error)); }
   AVStream& stream() const { return *output_->streams[0]; }
 
   /// Containers lie about rates or round them, so the capture rate goes along in the tag that cameras use.
@@ -83,14 +81,14 @@ class LibavSink : public FrameSink {
       av_dict_set(&muxing, "movflags", "use_metadata_tags", 0);
     const int error = avformat_write_header(output_.get(), &muxing);
     av_dict_free(&muxing);
-    if (error < 0) refuse(error);
+    if (error < 0) fail(error);
   }
 
   Coding coding() const {
     const bool odd = options_.width % 2 != 0 || options_.height % 2 != 0;
     if (options_.codec != Codec::ffv1 && options_.bits != 8)
-      throw InputError(in_quotes(temporary_.target()) + " cannot hold " + std::to_string(options_.bits) +
-                       " bits in this coding: choose .mkv (FFV1) or .cine");
+      refuse(temporary_.target(), "cannot hold {} bits in this coding: choose .mkv (FFV1) or .cine",
+             options_.bits);
     if (options_.codec == Codec::mjpeg) return {"mjpeg", AV_PIX_FMT_YUVJ420P};
     if (options_.codec == Codec::h264) return {"libx264", odd ? AV_PIX_FMT_GRAY8 : AV_PIX_FMT_YUV420P};
     switch (options_.bits) {
@@ -101,8 +99,7 @@ class LibavSink : public FrameSink {
       case 12:
         return {"ffv1", AV_PIX_FMT_GRAY12LE};
       default:
-        throw InputError(in_quotes(temporary_.target()) + " cannot hold " + std::to_string(options_.bits) +
-                         " bits: 8, 10 or 12 can be written");
+        refuse(temporary_.target(), "cannot hold {} bits: 8, 10 or 12 can be written", options_.bits);
     }
   }
 
@@ -113,20 +110,20 @@ class LibavSink : public FrameSink {
                                                                      : "matroska";
     AVFormatContext* context = nullptr;
     if (const int error = avformat_alloc_output_context2(&context, nullptr, muxer, nullptr); error < 0)
-      refuse(error);
+      fail(error);
     output_.reset(context);
     // The same frames give the same bytes: no dates, no random identities.
     context->flags |= AVFMT_FLAG_BITEXACT;
     const std::string url = "file:" + temporary_.path().string();
-    if (const int error = avio_open(&context->pb, url.c_str(), AVIO_FLAG_WRITE); error < 0) refuse(error);
+    if (const int error = avio_open(&context->pb, url.c_str(), AVIO_FLAG_WRITE); error < 0) fail(error);
   }
 
   void open_encoder() {
     const Coding chosen = coding();
     const AVCodec* codec = avcodec_find_encoder_by_name(chosen.encoder);
     if (!codec)
-      throw InputError(in_quotes(temporary_.target()) + " cannot be written: this libav has no encoder '" +
-                       chosen.encoder + "'; choose another coding");
+      refuse(temporary_.target(), "cannot be written: this libav has no encoder '{}'; choose another coding",
+             chosen.encoder);
     encoder_.reset(avcodec_alloc_context3(codec));
     const AVRational rate = av_d2q(options_.frame_rate_hz, 1000000);
     encoder_->width = options_.width;
@@ -150,25 +147,25 @@ class LibavSink : public FrameSink {
       av_opt_set_int(encoder_->priv_data, "slicecrc", 1, 0);
       encoder_->gop_size = 1;
     }
-    if (const int error = avcodec_open2(encoder_.get(), codec, nullptr); error < 0) refuse(error);
+    if (const int error = avcodec_open2(encoder_.get(), codec, nullptr); error < 0) fail(error);
 
     AVStream* video = avformat_new_stream(output_.get(), nullptr);
-    if (!video) refuse(AVERROR(ENOMEM));
+    if (!video) fail(AVERROR(ENOMEM));
     video->time_base = encoder_->time_base;
     video->avg_frame_rate = rate;
     video->r_frame_rate = rate;
     if (const int error = avcodec_parameters_from_context(video->codecpar, encoder_.get()); error < 0)
-      refuse(error);
+      fail(error);
   }
 
   void make_writable() {
-    if (const int error = av_frame_make_writable(frame_.get()); error < 0) refuse(error);
+    if (const int error = av_frame_make_writable(frame_.get()); error < 0) fail(error);
   }
 
   void encode_frame() {
     frame_->pts = count_++;
     frame_->quality = encoder_->global_quality;
-    if (const int error = avcodec_send_frame(encoder_.get(), frame_.get()); error < 0) refuse(error);
+    if (const int error = avcodec_send_frame(encoder_.get(), frame_.get()); error < 0) fail(error);
     write_packets();
   }
 
@@ -180,8 +177,7 @@ class LibavSink : public FrameSink {
       const bool coarse = av_cmp_q(stream().time_base, encoder_->time_base) > 0;
       if (!coarse || (output_->oformat->flags & AVFMT_TS_NONSTRICT))
         av_packet_rescale_ts(packet_.get(), encoder_->time_base, stream().time_base);
-      if (const int error = av_interleaved_write_frame(output_.get(), packet_.get()); error < 0)
-        refuse(error);
+      if (const int error = av_interleaved_write_frame(output_.get(), packet_.get()); error < 0) fail(error);
     }
   }
 

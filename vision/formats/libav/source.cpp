@@ -76,8 +76,9 @@ class LibavSource : public FrameSource {
   }
 
  private:
-  [[noreturn]] void refuse(const std::string& reason) const {
-    throw InputError(in_quotes(info_.path) + " " + reason);
+  template <class... Values>
+  [[noreturn]] void refuse(fmt::format_string<Values...> clause, Values&&... values) const {
+    vision::refuse(info_.path, clause, std::forward<Values>(values)...);
   }
   const AVStream& stream() const { return *input_->streams[stream_index_]; }
 
@@ -87,8 +88,10 @@ class LibavSource : public FrameSource {
     if (end == kUnfinished)
       info_.notes.push_back("the file was never finished by its writer, so frames may be missing at its end");
     else if (end > size)
-      refuse("is cut short: its part 'Segment' should end at byte " + std::to_string(end) +
-             ", but the file has " + std::to_string(size) + " bytes; copy or export the recording again");
+      refuse(
+          "is cut short: its part 'Segment' should end at byte {}, but the file has {} bytes; copy or export "
+          "the recording again",
+          end, size);
   }
 
   void open_input() {
@@ -105,10 +108,9 @@ class LibavSource : public FrameSource {
     stream_index_ = av_find_best_stream(context, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
     if (stream_index_ == AVERROR_STREAM_NOT_FOUND) refuse("holds no video; name a recording");
     if (stream_index_ < 0 || !codec)
-      refuse(std::string("holds video in a coding that cannot be decoded here; ") + kRemedyConvert);
+      refuse("holds video in a coding that cannot be decoded here; {}", kRemedyConvert);
     if (!is_coding_read(codec->name))
-      refuse(std::string("holds video in the coding ") + codec->name + ", which is not read; " +
-             kRemedyConvert);
+      refuse("holds video in the coding {}, which is not read; {}", codec->name, kRemedyConvert);
     if (const AVCodecParameters& stated = *stream().codecpar; stated.width != 0 || stated.height != 0)
       require_sensible_size(info_.path, stated.width, stated.height);
     for (unsigned i = 0; i < context->nb_streams; ++i)
@@ -122,7 +124,7 @@ class LibavSource : public FrameSource {
     contain(*decoder_);
     ask_for_coding(*decoder_);
     if (const int error = avcodec_open2(decoder_.get(), codec, nullptr); error < 0)
-      refuse("cannot be decoded: " + libav_error(error) + "; convert it");
+      refuse("cannot be decoded: {}; convert it", libav_error(error));
     next_packet_ = 0;
     draining_ = false;
     held_ = -1;
@@ -137,13 +139,13 @@ class LibavSource : public FrameSource {
   [[noreturn]] void refuse_input(int error) const {
     if (error == AVERROR_EXIT) refuse_late("it takes longer to open");
     if (error == AVERROR(EINVAL))  // libav's answer to a container that is not on the list
-      refuse(std::string("is no video of a kind that is read (") + kContainersInWords +
-             "); check the file, or " + kRemedyConvert);
-    refuse("is no video that can be read" + reason_of(error) + "; check the file, or export it again");
+      refuse("is no video of a kind that is read ({}); check the file, or {}", kContainersInWords,
+             kRemedyConvert);
+    refuse("is no video that can be read{}; check the file, or export it again", reason_of(error));
   }
   [[noreturn]] void refuse_late(const std::string& what) const {
-    refuse("is damaged, or its disk does not answer: " + what + " than " +
-           std::to_string(deadline_.seconds()) + " s; copy it to a local disk");
+    refuse("is damaged, or its disk does not answer: {} than {} s; copy it to a local disk", what,
+           deadline_.seconds());
   }
 
   /// Reads the next packet of the video; false at the end.
@@ -156,8 +158,8 @@ class LibavSource : public FrameSource {
       if (error == AVERROR_EXIT)
         refuse_late("packet " + std::to_string(next_packet_) + " takes longer to read");
       if (error < 0)
-        refuse("cannot be read at packet " + std::to_string(next_packet_) + ": " + libav_error(error) +
-               "; copy or export the recording again");
+        refuse("cannot be read at packet {}: {}; copy or export the recording again", next_packet_,
+               libav_error(error));
       if (packet_->stream_index == stream_index_) return true;
     }
   }
@@ -169,14 +171,14 @@ class LibavSource : public FrameSource {
     while (read_packet()) {
       bytes += static_cast<std::uint64_t>(packet_->size);
       if (bytes > most_bytes)
-        refuse("is damaged: its first " + std::to_string(packets_.size() + 1) +
-               " frames claim more bytes than the file has; copy or export the recording again");
+        refuse(
+            "is damaged: its first {} frames claim more bytes than the file has; copy or export the "
+            "recording again",
+            packets_.size() + 1);
       if (packets_.size() == kMostPackets)
-        refuse("holds more than " + std::to_string(kMostPackets) +
-               " frames, the most that are read; cut it into parts");
+        refuse("holds more than {} frames, the most that are read; cut it into parts", kMostPackets);
       if (packet_->flags & AV_PKT_FLAG_CORRUPT)
-        refuse("is cut short or damaged at packet " + std::to_string(packets_.size()) +
-               "; copy or export the recording again");
+        refuse("is cut short or damaged at packet {}; copy or export the recording again", packets_.size());
       packets_.push_back({packet_->pts, packet_->dts, packet_->pos, (packet_->flags & AV_PKT_FLAG_KEY) != 0,
                           (packet_->flags & AV_PKT_FLAG_DISCARD) == 0});
       next_packet_ = packets_.size();
@@ -186,8 +188,8 @@ class LibavSource : public FrameSource {
     const std::int64_t slots = is_avi() ? stream().nb_frames : 0;
     const std::int64_t promised = std::max(index_entries(), indexed < held ? slots : 0);
     if (held < promised)
-      refuse("is cut short: it promises " + std::to_string(promised) + " frames, but holds " +
-             std::to_string(held) + "; copy or export the recording again");
+      refuse("is cut short: it promises {} frames, but holds {}; copy or export the recording again",
+             promised, held);
     if (held < slots)
       info_.notes.push_back(
           fmt::format("its header counts {} frames, {} of which hold no picture", slots, slots - held));
@@ -219,8 +221,8 @@ class LibavSource : public FrameSource {
       while (next_frame())
         if (held_ >= 0) order.push_back(static_cast<std::size_t>(held_));
       if (order.size() < shown_.size())
-        refuse("is damaged: of " + std::to_string(shown_.size()) + " frames only " +
-               std::to_string(order.size()) + " can be decoded; export the recording again");
+        refuse("is damaged: of {} frames only {} can be decoded; export the recording again", shown_.size(),
+               order.size());
       shown_ = order;
       open_input();
     }
@@ -265,13 +267,10 @@ class LibavSource : public FrameSource {
     }
   }
   [[noreturn]] void refuse_frame(const std::string& reason) const {
-    const std::string packet =
-        "packet " + std::to_string(next_packet_) + " of " + std::to_string(packets_.size());
+    const std::string packet = fmt::format("packet {} of {}", next_packet_, packets_.size());
     const bool placed = next_packet_ > 0 && next_packet_ <= place_.size() && place_[next_packet_ - 1] >= 0;
-    refuse("is damaged: " +
-           (placed ? "frame " + std::to_string(number(place_[next_packet_ - 1])) + " (" + packet + ")"
-                   : packet) +
-           " cannot be decoded: " + reason + "; export the recording again");
+    refuse("is damaged: {} cannot be decoded: {}; export the recording again",
+           placed ? fmt::format("frame {} ({})", number(place_[next_packet_ - 1]), packet) : packet, reason);
   }
 
   /// A decoder may make up a frame without a packet, and a file may have grown since its packets were listed.
@@ -310,21 +309,21 @@ class LibavSource : public FrameSource {
     }
     if (frame_->decode_error_flags != 0 || (frame_->flags & AV_FRAME_FLAG_CORRUPT)) {
       held_ = -1;
-      refuse("is damaged: frame " + std::to_string(number(index)) +
-             " cannot be decoded without errors; export the recording again");
+      refuse("is damaged: frame {} cannot be decoded without errors; export the recording again",
+             number(index));
     }
     if (frame_->width != info_.width || frame_->height != info_.height || frame_->format != format_) {
       held_ = -1;
-      refuse("changes its picture's size or kind at frame " + std::to_string(number(index)) +
-             "; all frames of a recording must be alike");
+      refuse("changes its picture's size or kind at frame {}; all frames of a recording must be alike",
+             number(index));
     }
   }
   void try_decode(std::int64_t target, std::int64_t index) {
     while (next_frame())
       if (held_ == target) return;
-    refuse("is cut short or damaged: frame " + std::to_string(number(index)) + " (packet " +
-           std::to_string(target + 1) + " of " + std::to_string(packets_.size()) +
-           ") cannot be decoded; export the recording again");
+    refuse(
+        "is cut short or damaged: frame {} (packet {} of {}) cannot be decoded; export the recording again",
+        number(index), target + 1, packets_.size());
   }
 
   /// The place among the frames shown of the frame of a packet; -1 for none.
@@ -407,7 +406,7 @@ class LibavSource : public FrameSource {
           form.colour ? frame_->color_range != AVCOL_RANGE_JPEG : frame_->color_range == AVCOL_RANGE_MPEG;
       if (is_limited && !form.rgb && form.bits >= 8) describe_limited_range(form.bits);
     } catch (const std::invalid_argument& reason) {
-      refuse(std::string("cannot be measured: ") + reason.what());
+      refuse("cannot be measured: {}", reason.what());
     }
     require_progressive();
     describe_coder();

@@ -152,29 +152,25 @@ class MrawSource : public FrameSource {
  public:
   MrawSource(const std::filesystem::path& path, const PhotronSidecar& sidecar, const SourceOptions& options)
       : file_(path), stored_bits_(sidecar.stored_bits) {
-    const auto refuse = [&](const std::string& reason) {
-      throw InputError(in_quotes(sidecar.file) + " " + reason +
-                       "; copy both files again, or save the "
-                       "recording as TIFF");
+    const auto misfit = [&](const std::string& reason) {
+      refuse(sidecar.file, "{}; copy both files again, or save the recording as TIFF", reason);
     };
     require_sensible_size(sidecar.file, sidecar.width, sidecar.height);
     if (stored_bits_ == 24 || stored_bits_ == 36 || stored_bits_ == 48 || sidecar.colour == "Color")
-      refuse("describes a recording in colour, of which only grey ones (8, 12 or 16 bits) are read");
+      misfit("describes a recording in colour, of which only grey ones (8, 12 or 16 bits) are read");
     if (stored_bits_ != 8 && stored_bits_ != 12 && stored_bits_ != 16)
-      refuse("states " + std::to_string(stored_bits_) +
-             " bits to a pixel (Color Bit), where 8, 12 and 16 are known");
+      misfit(
+          fmt::format("states {} bits to a pixel (Color Bit), where 8, 12 and 16 are known", stored_bits_));
     const std::int64_t bits = sidecar.bits > 0 && stored_bits_ == 16 ? sidecar.bits : stored_bits_;
     if (bits < 8 || bits > stored_bits_)
-      refuse("states " + std::to_string(bits) + " significant bits (EffectiveBit Depth) of " +
-             std::to_string(stored_bits_));
-    if (sidecar.frames < 1) refuse("states no number of frames (Total Frame)");
+      misfit(fmt::format("states {} significant bits (EffectiveBit Depth) of {}", bits, stored_bits_));
+    if (sidecar.frames < 1) misfit("states no number of frames (Total Frame)");
     const auto pixels = static_cast<std::uint64_t>(sidecar.width * sidecar.height);
     bytes_ = (pixels * static_cast<std::uint64_t>(stored_bits_) + 7) / 8;
     if (static_cast<std::uint64_t>(sidecar.frames) > file_.size() / bytes_)
-      throw InputError(in_quotes(path) + " is cut short: " + sidecar.file.filename().string() + " promises " +
-                       std::to_string(sidecar.frames) + " frames of " + std::to_string(bytes_) +
-                       " bytes, but it has " + std::to_string(file_.size()) +
-                       " bytes; copy the recording again");
+      refuse(path,
+             "is cut short: {} promises {} frames of {} bytes, but it has {} bytes; copy the recording again",
+             sidecar.file.filename().string(), sidecar.frames, bytes_, file_.size());
     if (sidecar.high_side) lift_ = 1.0F / static_cast<float>(1 << (stored_bits_ - bits));
     info_.path = path;
     info_.format = "mraw";
@@ -222,10 +218,9 @@ std::unique_ptr<FrameSource> open_mraw(const fs::path& pixels, const SourceOptio
   require_readable_file(pixels);
   const auto sidecar = photron_sidecar(pixels);
   if (!sidecar)
-    throw InputError(
-        in_quotes(pixels) +
-        " holds a Photron camera's bare pixels: put the .cih or .cihx that the camera wrote back beside it, "
-        "under the same name, or save the recording as AVI or TIFF");
+    refuse(pixels,
+           "holds a Photron camera's bare pixels: put the .cih or .cihx that the camera wrote back beside "
+           "it, under the same name, or save the recording as AVI or TIFF");
   return std::make_unique<MrawSource>(pixels, read_photron_sidecar(*sidecar), options);
 }
 

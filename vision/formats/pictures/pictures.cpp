@@ -27,10 +27,9 @@ void require_supported(const cv::Mat& image, const std::string& name) {
     throw InputError("'" + name +
                      "' cannot be decoded as a picture: it is damaged, cut short or of another kind");
   if (image.depth() != CV_8U && image.depth() != CV_16U)
-    throw InputError(in_quotes(name) + " holds floating-point or signed levels; convert it to 8 or 16 bits");
+    refuse(name, "holds floating-point or signed levels; convert it to 8 or 16 bits");
   if (image.channels() != 1 && image.channels() != 3 && image.channels() != 4)
-    throw InputError(in_quotes(name) + " has " + std::to_string(image.channels()) +
-                     " channels; convert it to grey or RGB");
+    refuse(name, "has {} channels; convert it to grey or RGB", image.channels());
 }
 
 /// What sequences and stacks share: the description from the first frame, and a frame kept decoded.
@@ -79,11 +78,10 @@ class DecodedPictures : public FrameSource {
     if (kept_.channels() == 4) cv::cvtColor(kept_, kept_, cv::COLOR_BGRA2BGR);
     const int bits = kept_.depth() == CV_8U ? 8 : 16;
     if (info_.width != 0 && (kept_.cols != info_.width || kept_.rows != info_.height || bits != info_.bits))
-      throw InputError(in_quotes(frame_name(index)) + " has " + std::to_string(kept_.cols) + " x " +
-                       std::to_string(kept_.rows) + " pixels of " + std::to_string(bits) +
-                       " bits, but the first frame has " + std::to_string(info_.width) + " x " +
-                       std::to_string(info_.height) + " of " + std::to_string(info_.bits) +
-                       "; all frames of a recording must be alike");
+      refuse(frame_name(index),
+             "has {} x {} pixels of {} bits, but the first frame has {} x {} of {}; all frames of a "
+             "recording must be alike",
+             kept_.cols, kept_.rows, bits, info_.width, info_.height, info_.bits);
     kept_index_ = index;
     return kept_;
   }
@@ -125,7 +123,7 @@ class PictureStack : public DecodedPictures {
     info_.path = path;
     info_.format = has_tiff_extension(path) ? "tiff stack" : "picture";
     info_.frame_count = has_tiff_extension(path) ? count_tiff_pages(path) : 1;
-    if (info_.frame_count == 0) throw InputError(in_quotes(path) + " holds no page; export it again");
+    if (info_.frame_count == 0) refuse(path, "holds no page; export it again");
     require_decodable_picture(path);
     describe(photron_sidecar(path), options);
   }
@@ -173,17 +171,15 @@ class PictureSink : public FrameSink {
   PictureSink(const fs::path& path, const SinkOptions& options)
       : path_(path), options_(options), pattern_(NumberPattern::parse(path)) {
     if (options.bits < 8 || options.bits > 16)
-      throw InputError(in_quotes(path) + " cannot hold " + std::to_string(options.bits) +
-                       " bits: 8 to 16 can be written");
+      refuse(path, "cannot hold {} bits: 8 to 16 can be written", options.bits);
     files_.emplace_back(name_of(0));  // an unwritable folder shows at once
   }
 
   void write(const Picture& picture) override {
     require_size(options_, picture.width(), picture.height());
     if (count_ > 0 && !pattern_)
-      throw InputError(in_quotes(path_) +
-                       " holds one picture only; for a sequence give a pattern such as 'frame%05d" +
-                       path_.extension().string() + "'");
+      refuse(path_, "holds one picture only; for a sequence give a pattern such as 'frame%05d{}'",
+             path_.extension().string());
     cv::Mat image(picture.height(), picture.width(), options_.bits == 8 ? CV_8UC1 : CV_16UC1);
     for (int y = 0; y < picture.height(); ++y) store_levels(picture.row(y), options_.bits, image.ptr(y));
     if (count_ > 0) files_.emplace_back(name_of(count_));
@@ -192,7 +188,7 @@ class PictureSink : public FrameSink {
   }
 
   void close() override {
-    if (count_ == 0) throw InputError(in_quotes(path_) + " would hold no frames; nothing was written");
+    if (count_ == 0) refuse(path_, "would hold no frames; nothing was written");
     for (TemporaryFile& file : files_) file.commit();
     if (pattern_) remove_leftovers();
   }
