@@ -149,17 +149,8 @@ std::optional<Sighting> PatternFollower::refine(const Rect& window, const Pose& 
   if (r.ncc < std::max(options_.min_ncc, kNccDrop * reference_ncc_)) return std::nullopt;
   if (std::hypot(r.pose.dx - start.dx, r.pose.dy - start.dy) > max_distance) return std::nullopt;
   Sighting s{r, {pattern_.centre.x + r.pose.dx, pattern_.centre.y + r.pose.dy}};
-  if (audited_) s.halves = halves();
+  if (audited_) s.halves = registration_.halves();
   return s;
-}
-
-/// Of the pose just refined.
-std::optional<HalvesError> PatternFollower::halves() {
-  const std::vector<TileSums> tiles = registration_.tile_sums();
-  if (tiles.empty()) return std::nullopt;
-  TileSums::Matrix normal = tiles.front().normal;
-  for (std::size_t t = 1; t < tiles.size(); ++t) normal += tiles[t].normal;
-  return halves_error(tiles, normal, registration_.model_covariance());
 }
 
 /// From the predicted angle; where the texture has turned too far for that, from the best of all angles.

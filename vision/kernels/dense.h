@@ -25,6 +25,15 @@ class FewFactor {
 
 FewByFew inverse_of(const FewByFew& matrix);
 
+/// Of n rows, from its upper triangle, row after row.
+template <class Sums>
+FewByFew symmetric(const Sums& upper, int n) {
+  FewByFew matrix(n, n);
+  for (int i = 0, k = 0; i < n; ++i)
+    for (int j = i; j < n; ++j, ++k) matrix(i, j) = matrix(j, i) = upper[static_cast<std::size_t>(k)];
+  return matrix;
+}
+
 /// Of a symmetric, positive definite matrix; also the logarithm of its determinant.
 Eigen::MatrixXd inverse_of_spd(const Eigen::MatrixXd& matrix, double& log_determinant);
 

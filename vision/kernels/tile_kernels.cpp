@@ -161,6 +161,17 @@ TRIBOTRACK_CLONES CorrelationSums correlation_sums(const TileArrays& arrays,
   return {sum(sw), sum(sv), sum(sl), sum(svv), sum(sll), sum(svl)};
 }
 
+double CorrelationSums::correlation() const {
+  if (w <= 0) return 0;
+  const double spread = (vv - v * v / w) * (ll - l * l / w);
+  return spread > 1e-9 ? (vl - v * l / w) / std::sqrt(spread) : 0;
+}
+
+void TileArrays::resize(std::size_t count) {
+  tiles = count;
+  for (auto* v : {&value, &slope_x, &slope_y, &level, &weight}) v->resize(count * kTilePixels);
+}
+
 namespace {
 
 constexpr int kReach = 2;  ///< the average is over 2 kReach + 1 pixels each way
@@ -237,6 +248,15 @@ std::vector<TilePlace> cover_with_tiles(const Picture& mask) {
       }
   }
   return tiles;
+}
+
+std::vector<float> under_tiles(const Picture& mask, const std::vector<TilePlace>& tiles) {
+  std::vector<float> out;
+  for (const TilePlace& t : tiles)
+    for (int y = t.y; y < t.y + kTile; ++y)
+      for (int x = t.x; x < t.x + kTile; ++x)
+        out.push_back(x < mask.width() && y < mask.height() ? mask.at(x, y) : 0.0F);
+  return out;
 }
 
 std::size_t spread_outliers(std::span<const TilePlace> places, std::vector<unsigned char>& outliers) {

@@ -30,6 +30,7 @@ struct TileArrays {
   std::vector<float> value, slope_x, slope_y, slope_theta;  ///< slope_theta empty without rotation
   std::vector<float> level, weight;
   std::size_t tiles = 0;
+  void resize(std::size_t count);
 };
 
 /// Sums over all pixels with r = level - a value - b: of w J r for J = (-slope_x, -slope_y, value, 1,
@@ -42,6 +43,7 @@ struct ForceSums {
 /// Sums of w, w v, w l, w v^2, w l^2, w v l.
 struct CorrelationSums {
   double w = 0, v = 0, l = 0, vv = 0, ll = 0, vl = 0;
+  double correlation() const;  ///< 0 on flat ground
 };
 
 /// Sums of w J_i J_j, i <= j, row after row of the upper triangle: 10 numbers for 4 columns, 15 for 5.
@@ -79,6 +81,8 @@ Picture informative_pixels(const Picture& slope_x, const Picture& slope_y, const
 
 /// The first pixels of tiles of 8 x 8 that cover a mask.
 std::vector<TilePlace> cover_with_tiles(const Picture& mask);
+/// What the mask holds under the tiles' pixels; 0 beyond it.
+std::vector<float> under_tiles(const Picture& mask, const std::vector<TilePlace>& tiles);
 
 // Outlier pixels: an object that covers the part also covers half of what lies beside the pixels it fills,
 // where the optics blur its edge.

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/tile_kernels.h"
@@ -23,10 +24,8 @@ struct WithoutOffset {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   double squares = 0, weight = 0;
 
-  explicit WithoutOffset(const NormalSums& s) {
-    Eigen::Matrix<double, 5, 5> full;
-    for (int i = 0, k = 0; i < 5; ++i)
-      for (int j = i; j < 5; ++j, ++k) full(i, j) = full(j, i) = s[static_cast<std::size_t>(k)];
+  explicit WithoutOffset(const NormalSums& sums) {
+    const Eigen::Matrix<double, 5, 5> full = symmetric(sums, 5);
     weight = full(3, 3);
     if (!(weight > 0)) return;
     const Eigen::Matrix<double, 5, 5> centred = full - full.col(3) * full.row(3) / weight;
@@ -42,74 +41,63 @@ bool touches(const Rect& tile, const Circle& c) {
   return dx * dx + dy * dy <= c.radius * c.radius;
 }
 
+double counted(const std::vector<float>& weights) {
+  return static_cast<double>(std::ranges::count_if(weights, [](float w) { return w > 0; }));
+}
+
 }  // namespace
 
 GroundRegistration::GroundRegistration(const Ground& ground) : ground_(ground) {
-  add_blocks();
-  sample({0, 0});
-  double squares = 0, weight = 0;
-  for (Block& b : blocks_) {
-    b.shown = b.arrays.weight = b.weight;
-    pixels_ += static_cast<double>(std::ranges::count_if(b.weight, [](float w) { return w > 0; }));
-    const WithoutOffset sums(normal_sums(b.arrays));
-    squares += sums.normal(2, 2);
-    weight += sums.weight;
-  }
-  texture_ = weight > 0 ? std::sqrt(std::max(0.0, squares / weight)) : 0;
-}
-
-void GroundRegistration::add_blocks() {
-  for (int top = 0; top < ground_.place.height; top += kBlock)
-    for (int left = 0; left < ground_.place.width; left += kBlock) {
-      Block b;
-      for (int y = top; y < std::min(top + kBlock, ground_.place.height); y += kTile)
-        for (int x = left; x < std::min(left + kBlock, ground_.place.width); x += kTile)
-          b.tiles.push_back({x, y});
-      for (const TilePlace& t : b.tiles)
-        for (int y = t.y; y < t.y + kTile; ++y)
-          for (int x = t.x; x < t.x + kTile; ++x) {
-            const bool known =
-                x < ground_.place.width && y < ground_.place.height && ground_.seen.at(x, y) > 0;
-            b.weight.push_back(known ? 1 / ground_.variance.at(x, y) : 0);
-          }
-      b.corners.resize(b.tiles.size());
-      b.arrays.tiles = b.tiles.size();
-      for (auto* v :
-           {&b.arrays.value, &b.arrays.slope_x, &b.arrays.slope_y, &b.arrays.slope_theta, &b.arrays.level})
-        v->resize(b.weight.size());
-      blocks_.push_back(std::move(b));
+  Picture weight = ground.variance;
+  for (std::size_t i = 0; i < weight.levels().size(); ++i)
+    weight.levels()[i] = ground.seen.levels()[i] > 0 ? 1 / weight.levels()[i] : 0;
+  for (int top = 0; top < weight.height(); top += kBlock)
+    for (int left = 0; left < weight.width(); left += kBlock) {
+      Block& block = blocks_.emplace_back(Block{places_.size()});
+      for (int y = top; y < std::min(top + kBlock, weight.height()); y += kTile)
+        for (int x = left; x < std::min(left + kBlock, weight.width()); x += kTile) places_.push_back({x, y});
+      block.end = places_.size();
     }
+  known_ = under_tiles(weight, places_);
+  pixels_ = counted(known_);
+  arrays_.resize(places_.size());
+  arrays_.slope_theta.resize(known_.size());
+  arrays_.weight = known_;
+  corners_.resize(places_.size());
+  sample({0, 0});
+  double squares = 0, sum = 0;
+  for (const Block& b : blocks_) {
+    const WithoutOffset sums(normal_sums(arrays_, b.first, b.end));
+    squares += sums.normal(2, 2);
+    sum += sums.weight;
+  }
+  texture_ = sum > 0 ? std::sqrt(std::max(0.0, squares / sum)) : 0;
 }
 
 /// Grey levels under the ground moved by whole pixels. False where too little of it is seen.
 bool GroundRegistration::take(const GroundFrame& frame, int whole_x, int whole_y) {
-  double seen = 0;
   const int left = ground_.place.x + whole_x, top = ground_.place.y + whole_y;
-  for (Block& b : blocks_) {
-    b.shown = b.weight;
-    take_levels(frame.picture, left - frame.window.x, top - frame.window.y, b.tiles, ground_.level,
-                b.arrays.level, b.shown);
-    for (std::size_t t = 0; t < b.tiles.size(); ++t) {
-      const Rect tile{left + b.tiles[t].x, top + b.tiles[t].y, kTile, kTile};
-      for (const Circle& c : frame.hidden) {
-        if (!touches(tile, c)) continue;
-        for (std::size_t k = 0; k < kTilePixels; ++k) {
-          const double dx = tile.x + static_cast<int>(k % kTile) - c.x,
-                       dy = tile.y + static_cast<int>(k / kTile) - c.y;
-          if (dx * dx + dy * dy <= c.radius * c.radius) b.shown[t * kTilePixels + k] = 0;
-        }
+  shown_ = known_;
+  take_levels(frame.picture, left - frame.window.x, top - frame.window.y, places_, ground_.level,
+              arrays_.level, shown_);
+  for (std::size_t t = 0; t < places_.size(); ++t) {
+    const Rect tile{left + places_[t].x, top + places_[t].y, kTile, kTile};
+    for (const Circle& c : frame.hidden) {
+      if (!touches(tile, c)) continue;
+      for (std::size_t k = 0; k < kTilePixels; ++k) {
+        const double dx = tile.x + static_cast<int>(k % kTile) - c.x,
+                     dy = tile.y + static_cast<int>(k / kTile) - c.y;
+        if (dx * dx + dy * dy <= c.radius * c.radius) shown_[t * kTilePixels + k] = 0;
       }
     }
-    b.arrays.slope_theta = b.arrays.level;
-    b.arrays.weight = b.shown;
-    seen += static_cast<double>(std::ranges::count_if(b.shown, [](float w) { return w > 0; }));
   }
-  return seen > kLeastSeen * pixels_;
+  arrays_.slope_theta = arrays_.level;
+  arrays_.weight = shown_;
+  return counted(shown_) > kLeastSeen * pixels_;
 }
 
 void GroundRegistration::sample(const Point& fraction) {
-  for (Block& b : blocks_)
-    ground_.less.sample_tiles(-fraction.x, -fraction.y, b.tiles, b.corners, 0, true, b.arrays);
+  ground_.less.sample_tiles(-fraction.x, -fraction.y, places_, corners_, 0, true, arrays_);
 }
 
 std::optional<GroundRegistration::Fit> GroundRegistration::solve() {
@@ -117,13 +105,13 @@ std::optional<GroundRegistration::Fit> GroundRegistration::solve() {
   fit.normal.setZero();
   fit.force.setZero();
   for (Block& b : blocks_) {
-    b.sums = normal_sums(b.arrays);
+    b.sums = normal_sums(arrays_, b.first, b.end);
     const WithoutOffset sums(b.sums);
     fit.normal += sums.normal;
     fit.force += sums.force;
     fit.of_levels += sums.squares;
-    fit.pixels += static_cast<double>(std::ranges::count_if(b.arrays.weight, [](float w) { return w > 0; }));
   }
+  fit.pixels = counted(arrays_.weight);
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(fit.normal);
   if (!lu.isInvertible()) return std::nullopt;
   fit.solution = lu.solve(fit.force);
@@ -137,20 +125,21 @@ std::size_t GroundRegistration::trim(const Fit& fit) {
   const auto gain = static_cast<float>(fit.solution(2));
   const auto limit = static_cast<float>(kOutlier * kOutlier * std::max(1.0, fit.squares / fit.pixels));
   std::size_t count = 0;
-  for (Block& b : blocks_) {
+  for (const Block& b : blocks_) {
     // Sums of w value, w and w level.
     if (!(b.sums[12] > 0)) continue;
     const auto offset = static_cast<float>((b.sums[13] - fit.solution(2) * b.sums[10]) / b.sums[12]);
-    std::vector<unsigned char> outliers(b.shown.size());
-    for (std::size_t i = 0; i < b.shown.size(); ++i) {
-      const float r = b.arrays.level[i] - gain * b.arrays.value[i] - offset;
-      outliers[i] = b.shown[i] * r * r > limit;
+    const std::size_t first = b.first * kTilePixels, end = b.end * kTilePixels;
+    std::vector<unsigned char> outliers(end - first);
+    for (std::size_t i = first; i < end; ++i) {
+      const float r = arrays_.level[i] - gain * arrays_.value[i] - offset;
+      outliers[i - first] = shown_[i] * r * r > limit;
+      arrays_.weight[i] = shown_[i];
     }
-    b.arrays.weight = b.shown;
-    if (spread_outliers(b.tiles, outliers) == 0) continue;
-    for (std::size_t i = 0; i < b.shown.size(); ++i)
-      if (outliers[i] != 0 && b.shown[i] > 0) {
-        b.arrays.weight[i] = 0;
+    spread_outliers(std::span(places_).subspan(b.first, b.end - b.first), outliers);
+    for (std::size_t i = first; i < end; ++i)
+      if (outliers[i - first] != 0 && shown_[i] > 0) {
+        arrays_.weight[i] = 0;
         ++count;
       }
   }

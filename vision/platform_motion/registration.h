@@ -73,13 +73,9 @@ class GroundRegistration {
   double texture() const { return texture_; }
 
  private:
-  /// Tiles within 32 x 32 px.
+  /// Tiles `first` .. `end` - 1, which lie within 32 x 32 px.
   struct Block {
-    std::vector<TilePlace> tiles;
-    std::vector<float> weight;  ///< 1 / V, 0 where the ground is not known
-    TileArrays arrays;          ///< slope_theta holds the level: the fifth column of the sums
-    std::vector<float> shown;   ///< weight of what the frame shows of it
-    std::vector<const float*> corners;
+    std::size_t first = 0, end = 0;
     NormalSums sums{};
   };
   /// Of the columns -a slope_x, -a slope_y, value, offsets taken out.
@@ -88,7 +84,6 @@ class GroundRegistration {
     Eigen::Vector3d force, solution;
     double squares = 0, of_levels = 0, pixels = 0;
   };
-  void add_blocks();
   bool take(const GroundFrame& frame, int whole_x, int whole_y);
   void sample(const Point& fraction);
   std::optional<Fit> solve();
@@ -96,7 +91,12 @@ class GroundRegistration {
   void note_scatter(const Fit& fit);
 
   const Ground& ground_;
+  std::vector<TilePlace> places_;
   std::vector<Block> blocks_;
+  std::vector<float> known_;  ///< 1 / V, 0 where the ground is not known
+  std::vector<float> shown_;  ///< of it, what the frame shows
+  TileArrays arrays_;         ///< slope_theta holds the level: the fifth column of the sums
+  std::vector<const float*> corners_;
   Eigen::Matrix2d normal_, scatter_, excess_ = Eigen::Matrix2d::Identity();
   double texture_ = 0, pixels_ = 0;
 };

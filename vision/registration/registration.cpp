@@ -18,23 +18,7 @@ constexpr double kTolerance = 1e-4;  ///< px
 }  // namespace
 
 TemplateRegistration::Matrix TemplateRegistration::normal_matrix() const {
-  return filled(normal_sums(arrays_));
-}
-
-/// From its upper triangle.
-TemplateRegistration::Matrix TemplateRegistration::filled(const NormalSums& sums) const {
-  const int n = columns();
-  Matrix normal(n, n);
-  for (int i = 0, k = 0; i < n; ++i)
-    for (int j = i; j < n; ++j, ++k) normal(i, j) = normal(j, i) = sums[static_cast<std::size_t>(k)];
-  return normal;
-}
-
-double TemplateRegistration::correlation() const {
-  const CorrelationSums c = correlation_sums(arrays_, base_weight_);
-  if (c.w <= 0) return 0;
-  const double spread = (c.vv - c.v * c.v / c.w) * (c.ll - c.l * c.l / c.w);
-  return spread > 1e-9 ? (c.vl - c.v * c.l / c.w) / std::sqrt(spread) : 0;
+  return symmetric(normal_sums(arrays_), columns());
 }
 
 Registration TemplateRegistration::refine(const Picture& picture, int x, int y, const Pose& start) {
@@ -117,7 +101,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   out.pose = {whole_x + fraction.dx, whole_y + fraction.dy, fraction.theta};
   out.gain = gain;
   out.offset = offset + pivot_ - gain * pivot_;
-  out.ncc = correlation();
+  out.ncc = correlation_sums(arrays_, base_weight_).correlation();
   if (!out.converged) return out;
 
   const ForceSums sums = last ? *last : sums_now();
@@ -155,7 +139,7 @@ double TemplateRegistration::score(const Picture& picture, int x, int y, const P
   const int whole_y = static_cast<int>(std::lround(pose.dy));
   if (!take_picture(picture, x, y, whole_x, whole_y)) return 0;
   sample_template({pose.dx - whole_x, pose.dy - whole_y, pose.theta}, false);
-  return correlation();
+  return correlation_sums(arrays_, base_weight_).correlation();
 }
 
 // TemplateRegistration, robustness: pixels that do not belong to the template (glare, a hand) are trimmed,
@@ -214,9 +198,18 @@ Eigen::Matrix3d TemplateRegistration::sandwich(const Matrix& inverse, double gai
   return out;
 }
 
-// TemplateRegistration, audit: the sums of each tile at the pose found.
+// TemplateRegistration, audit: what each tile has to say at the pose found.
 
-std::vector<TileSums> TemplateRegistration::tile_sums() {
+std::optional<HalvesError> TemplateRegistration::halves() const {
+  const std::vector<TileSums> tiles = tile_sums();
+  if (tiles.empty()) return std::nullopt;
+  Matrix normal = tiles.front().normal;
+  for (std::size_t t = 1; t < tiles.size(); ++t) normal += tiles[t].normal;
+  return halves_error(tiles, normal, found_.covariance);
+}
+
+/// Columns are x, y, gain, offset and, where it is estimated, rotation.
+std::vector<TileSums> TemplateRegistration::tile_sums() const {
   const std::size_t tiles = places_.size();
   const int n = columns();
   const double weight = normal_matrix()(3, 3);
@@ -227,7 +220,7 @@ std::vector<TileSums> TemplateRegistration::tile_sums() {
   if (options_.rotation) slope(4) = found_.gain;
   std::vector<TileSums> out(tiles);
   for (std::size_t t = 0; t < tiles; ++t) {
-    const Matrix normal = filled(normal_sums(arrays_, t, t + 1));
+    const Matrix normal = symmetric(normal_sums(arrays_, t, t + 1), n);
     const ForceSums sums =
         force_sums(arrays_, static_cast<float>(found_.gain), static_cast<float>(found_.offset), t, t + 1);
     Vector score = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(sums.force.data()).head(n);

@@ -18,7 +18,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
+#include <optional>
 #include <vector>
 
 #include "vision/audit/halves.h"
@@ -66,11 +66,8 @@ class TemplateRegistration {
   /// Template pixels that fall outside the window are left out.
   Registration refine(const Picture& picture, int x, int y, const Pose& start);
 
-  /// After a refine() that converged: what each tile had to say at the pose found, for the audit. Columns are
-  /// x, y, gain, offset and, where it is estimated, rotation.
-  std::vector<TileSums> tile_sums();
-  /// Likewise: covariance of (dx, dy) by the model alone, px^2, without what the residual adds.
-  const Eigen::Matrix2d& model_covariance() const { return found_.covariance; }
+  /// After a refine() that converged: what the disagreement of two halves says of the pose found.
+  std::optional<HalvesError> halves() const;
 
   /// ZNCC at a pose, nothing refined.
   double score(const Picture& picture, int x, int y, const Pose& pose);
@@ -93,11 +90,10 @@ class TemplateRegistration {
   void sample_turned(const Pose& fraction, bool slopes);
   bool take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y);
   Matrix normal_matrix() const;
-  Matrix filled(const NormalSums& sums) const;
+  std::vector<TileSums> tile_sums() const;
   Matrix debiased(const Matrix& normal, const Pose& fraction) const;
   double residual_noise(const ForceSums& sums, const Pose& at, double gain) const;
   Eigen::Vector2d noise_force(const ForceSums& sums, const Pose& formed, const Pose& at, double gain) const;
-  double correlation() const;
   std::size_t trim(const ForceSums& sums, double gain, double offset, double noise_sd);
   Eigen::Matrix3d sandwich(const Matrix& inverse, double gain, double offset);
   double template_noise() const { return options_.template_noise_share * options_.noise_variance; }
@@ -122,7 +118,7 @@ class TemplateRegistration {
     double gain = 1, offset = 0;  ///< as in the kernels: of levels less the pivot
     double noise = 0;             ///< variance of a residual
     Eigen::Vector2d noise_force = Eigen::Vector2d::Zero();
-    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< by the model, without what the residual adds
   };
   Found found_;
 

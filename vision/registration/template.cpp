@@ -66,21 +66,9 @@ void TemplateRegistration::choose_pixels() {
   const double noise_square = 2 * template_noise() * quintic_noise(0).slope * quintic_noise(0).value;
   const Picture mask = informative_pixels(slope_x, slope_y, pattern_.weights, noise_square);
   places_ = cover_with_tiles(mask);
-  mask_.assign(places_.size() * kTilePixels, 0.0F);
-  double chosen = 0;
-  for (std::size_t t = 0; t < places_.size(); ++t)
-    for (int j = 0; j < kTile; ++j)
-      for (int i = 0; i < kTile; ++i) {
-        const int x = places_[t].x + i, y = places_[t].y + j;
-        if (x >= w.width || y >= w.height) continue;
-        mask_[t * kTilePixels + static_cast<std::size_t>(j * kTile + i)] = mask.at(x, y);
-        chosen += mask.at(x, y) > 0;
-      }
-  pixels_ = chosen;
-  arrays_.tiles = places_.size();
-  for (auto* v :
-       {&arrays_.value, &arrays_.slope_x, &arrays_.slope_y, &arrays_.level, &arrays_.weight, &base_weight_})
-    v->resize(mask_.size());
+  mask_ = under_tiles(mask, places_);
+  pixels_ = static_cast<double>(std::ranges::count_if(mask_, [](float m) { return m > 0; }));
+  arrays_.resize(places_.size());
   corners_.resize(places_.size());
 }
 

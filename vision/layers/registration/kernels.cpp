@@ -23,6 +23,13 @@ struct FloatLight {
 
 }  // namespace
 
+void LayerArrays::resize(std::size_t count) {
+  tiles = count;
+  for (TileArrays* pictures : {&part, &share, &ground}) pictures->resize(count);
+  for (auto* array : {&u, &v, &level, &variance, &ground_variance, &weight, &step_x, &step_y, &below})
+    array->resize(count * kTilePixels);
+}
+
 TRIBOTRACK_CLONES LayerNormal form_normal(LayerArrays& a, const std::vector<float>& mask,
                                           const LayerLight& at) {
   constexpr int kSums = std::tuple_size_v<LayerNormal>;

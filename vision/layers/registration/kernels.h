@@ -28,6 +28,7 @@ struct LayerArrays {
   std::vector<float> step_x, step_y;   ///< dM/dc as last formed
   std::vector<float> below;            ///< what shows of the ground, as last formed or summed
   std::size_t tiles = 0;
+  void resize(std::size_t count);
 };
 
 /// Columns of the Jacobian of M = (gain + slope . u) (F - alpha mean G) + ground (alpha G + kappa grad alpha

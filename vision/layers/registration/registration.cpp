@@ -55,16 +55,8 @@ void LayeredRegistration::choose_pixels(const PartPictures& part, double frames)
   const InterpolationNoise noise = quintic_noise(0);
   const Picture chosen = informative_pixels(x, y, inside, 2 * noise.slope * noise.value / frames);
   places_ = cover_with_tiles(chosen);
-  const std::size_t n = places_.size() * kTilePixels;
-  mask_.assign(n, 0);
-  for (TileArrays* a : {&arrays_.part, &arrays_.share, &arrays_.ground}) {
-    a->tiles = places_.size();
-    for (auto* v : {&a->value, &a->slope_x, &a->slope_y}) v->resize(n);
-  }
-  arrays_.tiles = places_.size();
-  for (auto* v : {&arrays_.u, &arrays_.v, &arrays_.level, &arrays_.weight, &arrays_.variance,
-                  &arrays_.ground_variance, &arrays_.step_x, &arrays_.step_y, &arrays_.below})
-    v->resize(n);
+  mask_ = under_tiles(chosen, places_);
+  arrays_.resize(places_.size());
   corners_.resize(places_.size());
   pixels_ = 0;
   std::vector<Eigen::Matrix2d> information;
@@ -77,7 +69,6 @@ void LayeredRegistration::choose_pixels(const PartPictures& part, double frames)
       const std::size_t at = t * kTilePixels + k;
       arrays_.u[at] = static_cast<float>(i);
       arrays_.v[at] = static_cast<float>(j);
-      mask_[at] = i <= half_ && j <= half_ ? chosen.at(i + half_, j + half_) : 0.0F;
       pixels_ += static_cast<double>(mask_[at]);
       if (!(mask_[at] > 0)) continue;
       const Eigen::Vector2d slope(x.at(i + half_, j + half_), y.at(i + half_, j + half_));
@@ -173,11 +164,7 @@ void LayeredRegistration::sample(const Point& centre, bool slopes) {
 }
 
 LayeredRegistration::Matrix LayeredRegistration::normal_matrix(const LightPrior& prior) {
-  const LayerNormal sums = form_normal(arrays_, counts_, light_);
-  const int n = kLayerColumns;
-  Matrix normal(n, n);
-  for (int i = 0, k = 0; i < n; ++i)
-    for (int j = i; j < n; ++j, ++k) normal(i, j) = normal(j, i) = sums[static_cast<std::size_t>(k)];
+  Matrix normal = symmetric(form_normal(arrays_, counts_, light_), kLayerColumns);
   normal(kSlopeX, kSlopeX) += hold(prior.sd);
   normal(kSlopeY, kSlopeY) += hold(prior.sd);
   normal(kGround, kGround) += hold(kGroundGain);
@@ -284,10 +271,8 @@ std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, in
   const Matrix inverse = inverse_of(normal_);
   fix.covariance = inverse.topLeftCorner<2, 2>();
   fix.slope_variance = 0.5 * (inverse(kSlopeX, kSlopeX) + inverse(kSlopeY, kSlopeY)) / (s.gain * s.gain);
-  const CorrelationSums& c = sums.correlation;
-  fix.chi_squared = sums.squares / std::max(1.0, c.w);
-  const double variances = (c.vv - c.v * c.v / c.w) * (c.ll - c.l * c.l / c.w);
-  fix.ncc = variances > 0 ? (c.vl - c.v * c.l / c.w) / std::sqrt(variances) : 0;
+  fix.chi_squared = sums.squares / std::max(1.0, sums.correlation.w);
+  fix.ncc = sums.correlation.correlation();
   return fix;
 }
 
