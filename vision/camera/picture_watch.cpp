@@ -13,6 +13,7 @@
 
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
+#include "vision/kernels/plane.h"
 #include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {
@@ -35,11 +36,8 @@ bool equal(const Picture& a, const Picture& b) {
 /// largest. An edge that moves by s px changes it by s/16 of its contrast; a coder hardly does.
 float step_of(const Picture& a, const Picture& b) {
   constexpr int kBlock = 16;
-  const auto levels = [](const Picture& p) {
-    return cv::Mat(p.height(), p.width(), CV_32F, const_cast<float*>(p.levels().data()));
-  };
   cv::Mat off, blocks;
-  cv::absdiff(levels(a), levels(b), off);
+  cv::absdiff(matrix_of(a), matrix_of(b), off);
   cv::resize(off, blocks, {std::max(1, a.width() / kBlock), std::max(1, a.height() / kBlock)}, 0, 0,
              cv::INTER_AREA);
   double largest = 0;
@@ -79,9 +77,7 @@ void PictureWatch::read(std::int64_t index, const Rect& window, Picture& picture
   const bool held = info_.decoded && index < next_ && index + std::ssize(kept_) >= next_ && index >= first_;
   if (!held) return source_.read(index, window, picture);
   prepare_window(info_, index, window, picture);
-  const Picture& whole = kept(index);
-  for (int y = 0; y < window.height; ++y)
-    std::copy_n(whole.row(window.y + y).begin() + window.x, window.width, picture.row(y).begin());
+  copy_window(kept(index), window, picture);
 }
 
 void PictureWatch::look_at_decoded(std::int64_t index) {

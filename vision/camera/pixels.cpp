@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "vision/kernels/median.h"
+#include "vision/kernels/plane.h"
 #include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
@@ -145,11 +146,9 @@ int side_of(const Picture& picture, Pixel p, float least) {
 
 /// A first look: what is that far from the median of the nine about it.
 std::vector<Pixel> candidates(const Picture& picture, float least) {
-  const cv::Mat levels(picture.height(), picture.width(), CV_32F,
-                       const_cast<float*>(picture.levels().data()));
   cv::Mat usual, off;
-  cv::medianBlur(levels, usual, 3);
-  cv::absdiff(levels, usual, off);
+  cv::medianBlur(matrix_of(picture), usual, 3);
+  cv::absdiff(matrix_of(picture), usual, off);
   std::vector<Pixel> found;
   for (int y = 1; y + 1 < picture.height(); ++y)
     for (int x = 1; x + 1 < picture.width(); ++x)

@@ -12,6 +12,7 @@
 #include "vision/discs/disc_detection.h"
 #include "vision/discs/rim_steps.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/plane.h"
 #include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
@@ -145,7 +146,7 @@ bool whole(const Picture& picture, const Circle& c) {
 }
 
 bool same_disc(const Circle& a, const Circle& b) {
-  return std::hypot(a.x - b.x, a.y - b.y) < 0.3 * std::min(a.radius, b.radius) &&
+  return distance(a, b) < 0.3 * std::min(a.radius, b.radius) &&
          std::abs(a.radius - b.radius) < 0.15 * std::max(a.radius, b.radius);
 }
 
@@ -255,7 +256,7 @@ class Finds {
       return false;
     if (c.radius < search_.min_radius || c.radius > search_.max_radius) return false;
     const auto& out = search_.keep_out;
-    return !out || std::hypot(out->x - c.x, out->y - c.y) >= out->radius + c.radius;
+    return !out || distance(*out, c) >= out->radius + c.radius;
   }
 
   const Picture& picture_;
@@ -267,7 +268,7 @@ class Finds {
 
 /// The picture and its halves, each the one before averaged over 2 x 2 pixels, as far as discs are searched.
 std::vector<cv::Mat> pyramid(const Picture& picture, const DiscSearch& search) {
-  cv::Mat level(picture.height(), picture.width(), CV_32F, const_cast<float*>(picture.levels().data()));
+  cv::Mat level = matrix_of(picture);
   std::vector<cv::Mat> levels;
   for (int scale = 1; scale * kSearchMin <= search.max_radius; scale *= 2) {
     if (std::min(level.cols, level.rows) < 2 * kSearchMin + 1) break;

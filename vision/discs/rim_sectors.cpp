@@ -9,6 +9,7 @@
 #include "vision/io/levels.h"
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/plane.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -51,15 +52,12 @@ class SectorFit {
         band_(std::min(std::max(kBandInBlurs * blur_, kLeastBand), 0.6 * start.radius)),
         count_(rim_sector_count(start.radius)),
         rays_(std::max(1, static_cast<int>(std::lround(2 * kPi * start.radius / count_)))),
-        bounds_{0, 0, picture.width(), picture.height()},
+        bounds_(bounds_of(picture)),
         window_(window_about({start.x, start.y}, start.radius + 3 * band_ + kContext, bounds_)),
+        spline_(part_of(picture, window_)),
         circle_(start),
         directions_(static_cast<std::size_t>(count_)),
         edges_(static_cast<std::size_t>(count_)) {
-    Picture about(window_.width, window_.height);
-    for (int y = 0; y < window_.height; ++y)
-      std::copy_n(picture.row(window_.y + y).begin() + window_.x, window_.width, about.row(y).begin());
-    spline_ = QuinticSpline(about);
     for (int k = 0; k < count_; ++k) {
       const Point u = sector_direction(k, count_);
       directions_[static_cast<std::size_t>(k)] = {u.x, u.y, 1};
@@ -87,8 +85,7 @@ class SectorFit {
   void measure_edges();
   Eigen::Vector3d fit_circle();
   bool walked_away() const {
-    return std::hypot(circle_.x - start_.x, circle_.y - start_.y) > 2 * band_ ||
-           std::abs(circle_.radius - start_.radius) > 0.5 * band_;
+    return distance(circle_, start_) > 2 * band_ || std::abs(circle_.radius - start_.radius) > 0.5 * band_;
   }
   RimSectors result() const;
 

@@ -11,6 +11,7 @@
 #include "vision/frame_source.h"
 #include "vision/io/levels.h"
 #include "vision/io/picture_files.h"
+#include "vision/kernels/plane.h"
 #include "vision/overlay.h"
 #include "vision/temporary_file.h"
 
@@ -35,11 +36,9 @@ struct Stretch {
     high = std::max(level_of_share(levels, 0.995), low + 1);
   }
   cv::Mat operator()(const Picture& picture) const {
-    const cv::Mat levels(picture.height(), picture.width(), CV_32F,
-                         const_cast<float*>(picture.levels().data()));
     const double scale = 255.0 / (high - low);
     cv::Mat out;
-    levels.convertTo(out, CV_8U, scale, -scale * low);
+    matrix_of(picture).convertTo(out, CV_8U, scale, -scale * low);
     return out;
   }
 };

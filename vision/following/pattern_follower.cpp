@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "vision/kernels/plane.h"
+
 namespace tribotrack::vision {
 namespace {
 
@@ -17,10 +19,6 @@ constexpr int kAngles = 24;
 constexpr double kCandidateReach = 2.5;  ///< px from a whole position to what is refined there
 constexpr double kChangedContrast = 0.5, kChangedArea = 0.125;  ///< of the template's spread and mask
 constexpr int kLongestPause = 63;  ///< frames: a template tried once in so many costs nothing
-
-double distance(const Point& a, const Point& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
 
 }  // namespace
 
@@ -180,8 +178,7 @@ std::optional<Sighting> PatternFollower::near(FrameSource& source, std::int64_t 
   const int shift_x = static_cast<int>(std::lround(predicted.x - pattern_.centre.x));
   const int shift_y = static_cast<int>(std::lround(predicted.y - pattern_.centre.y));
   const Rect& w = pattern_.window;
-  const Rect window = common(
-      {w.x + shift_x - margin, w.y + shift_y - margin, w.width + 2 * margin, w.height + 2 * margin}, bounds);
+  const Rect window = grown({w.x + shift_x, w.y + shift_y, w.width, w.height}, margin, bounds);
   if (window.width < w.width / 2 || window.height < w.height / 2) return std::nullopt;
   source.read(index, window, picture_);
 

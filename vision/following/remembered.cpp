@@ -8,6 +8,7 @@
 #include "vision/io/levels.h"
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/plane.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -19,10 +20,9 @@ void MotionPrediction::add(std::int64_t frame, const Point& position) {
   if (!places_.empty()) {
     const Point predicted = at(frame);
     const auto gap = static_cast<double>(std::max<std::int64_t>(1, frame - last_frame()));
-    const double error = std::hypot(position.x - predicted.x, position.y - predicted.y) / gap;
+    const double error = distance(position, predicted) / gap;
     error_squared_ += kMemory * (error * error - error_squared_);
-    const Point from = last();
-    top_speed_ = std::max(top_speed_, std::hypot(position.x - from.x, position.y - from.y) / gap);
+    top_speed_ = std::max(top_speed_, distance(position, last()) / gap);
   }
   places_.push_back({frame, position});
   if (places_.size() > 2) places_.pop_front();
@@ -49,7 +49,7 @@ std::vector<Point> Distractors::unexplained(const std::vector<Point>& candidates
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < places_.size(); ++i)
     for (std::size_t j = 0; j < candidates.size(); ++j) {
-      const double d = std::hypot(places_[i].x - candidates[j].x, places_[i].y - candidates[j].y);
+      const double d = distance(places_[i], candidates[j]);
       if (d <= reach_) pairs.push_back({d, i, j});
     }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.distance < b.distance; });
@@ -57,8 +57,7 @@ std::vector<Point> Distractors::unexplained(const std::vector<Point>& candidates
   const auto spacing = [&](std::size_t i) {
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t j = 0; j < before.size(); ++j)
-      if (j != i)
-        nearest = std::min(nearest, std::hypot(before[i].x - before[j].x, before[i].y - before[j].y));
+      if (j != i) nearest = std::min(nearest, distance(before[i], before[j]));
     return nearest;
   };
   std::size_t found = 0, moved = 0;
@@ -113,16 +112,13 @@ bool add_aligned(FrameSource& source, const Seen& seen, const Rect& area, Pictur
   const int whole_x = static_cast<int>(std::lround(seen.pose.dx));
   const int whole_y = static_cast<int>(std::lround(seen.pose.dy));
   const Rect moved{area.x + whole_x, area.y + whole_y, area.width, area.height};
-  const Rect bounds = source.bounds();
-  if (!bounds.contains(moved)) return false;
-  const int left = std::min(kBorder, moved.x), top = std::min(kBorder, moved.y);
-  const Rect window{moved.x - left, moved.y - top,
-                    std::min(moved.width + left + kBorder, bounds.width - moved.x + left),
-                    std::min(moved.height + top + kBorder, bounds.height - moved.y + top)};
+  if (!source.bounds().contains(moved)) return false;
+  const Rect window = grown(moved, kBorder, source.bounds());
   Picture picture, aligned(area.width, area.height);
   source.read(seen.index, window, picture);
-  QuinticSpline(picture).sample_window(left + seen.pose.dx - whole_x, top + seen.pose.dy - whole_y,
-                                       area.width, area.height, aligned.levels().data(), nullptr, nullptr);
+  QuinticSpline(picture).sample_window(moved.x - window.x + seen.pose.dx - whole_x,
+                                       moved.y - window.y + seen.pose.dy - whole_y, area.width, area.height,
+                                       aligned.levels().data(), nullptr, nullptr);
   for (std::size_t i = 0; i < aligned.levels().size(); ++i) sums.levels()[i] += aligned.levels()[i];
   return true;
 }
@@ -134,14 +130,8 @@ AveragedTemplate average_template(FrameSource& source, const Picture& first, std
   AveragedTemplate out;
   const auto seen = follow_some(source, first, index, last, pattern, follow);
   if (seen.size() < 3) return out;
-  const Rect& w = pattern.window;
-  const int x0 = std::max(0, w.x - kSurroundings), y0 = std::max(0, w.y - kSurroundings);
-  const int x1 = std::min(first.width(), w.x + w.width + kSurroundings);
-  const int y1 = std::min(first.height(), w.y + w.height + kSurroundings);
-  const Rect area{x0, y0, x1 - x0, y1 - y0};
-  Picture sums(area.width, area.height);
-  for (int y = 0; y < area.height; ++y)
-    std::copy_n(first.row(y0 + y).begin() + x0, area.width, sums.row(y).begin());
+  const Rect area = grown(pattern.window, kSurroundings, bounds_of(first));
+  Picture sums = part_of(first, area);
   const double least = kScoreShare * median_score(seen);
   for (const Seen& s : seen)
     if (s.ncc >= least && add_aligned(source, s, area, sums)) ++out.frames;
@@ -149,7 +139,7 @@ AveragedTemplate average_template(FrameSource& source, const Picture& first, std
   out.averaged = first;
   for (int y = 0; y < area.height; ++y)
     for (int x = 0; x < area.width; ++x)
-      out.averaged.at(x0 + x, y0 + y) = sums.at(x, y) / static_cast<float>(out.frames);
+      out.averaged.at(area.x + x, area.y + y) = sums.at(x, y) / static_cast<float>(out.frames);
   return out;
 }
 

@@ -19,6 +19,7 @@
 #include "vision/frame_source.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
+#include "vision/kernels/plane.h"
 #include "vision/libraries.h"
 
 namespace tribotrack::vision {
@@ -185,9 +186,7 @@ MemorySource::MemorySource(std::vector<Picture> frames, double frame_rate_hz, in
 
 void MemorySource::read(std::int64_t index, const Rect& window, Picture& picture) {
   prepare_window(info_, index, window, picture);
-  const Picture& frame = frames_[static_cast<std::size_t>(index)];
-  for (int y = 0; y < window.height; ++y)
-    std::copy_n(frame.row(window.y + y).begin() + window.x, window.width, picture.row(y).begin());
+  copy_window(frames_[static_cast<std::size_t>(index)], window, picture);
 }
 
 StackSource::StackSource(const FrameStack& stack, double frame_rate_hz, int bits) : stack_(stack) {

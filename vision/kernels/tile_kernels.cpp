@@ -5,6 +5,7 @@
 #include <functional>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/kernels/plane.h"
 #include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
@@ -183,8 +184,8 @@ constexpr double kShare = 0.995;  ///< of the information above the noise that i
 /// Sums over (2 kReach + 1)^2 pixels, fewer at the border.
 Picture box_sums(const Picture& in) {
   Picture out = in;
-  cv::Mat levels(out.height(), out.width(), CV_32F, out.levels().data());
-  cv::boxFilter(levels, levels, -1, {2 * kReach + 1, 2 * kReach + 1}, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::boxFilter(matrix_of(in), matrix_of(out), -1, {2 * kReach + 1, 2 * kReach + 1}, {-1, -1}, false,
+                cv::BORDER_CONSTANT);
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "vision/kernels/median.h"
+#include "vision/kernels/plane.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -15,11 +16,6 @@ constexpr int kBroad = 33;     ///< bins or px over which light is smooth
 constexpr float kUsual =
     3 * static_cast<float>(kNormalMad);  ///< of the median size: what is larger is clipped
 constexpr double kFarthest = 0.25;       ///< of the picture's side
-
-/// A header over the picture's own levels, which stay.
-cv::Mat matrix_of(const Picture& p) {
-  return {p.height(), p.width(), CV_32F, const_cast<float*>(p.levels().data())};
-}
 
 /// Where nothing is known nearby: as far away as needed.
 cv::Mat broad_part(const cv::Mat& levels, const cv::Mat& known) {

@@ -7,6 +7,7 @@
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/plane.h"
 #include "vision/platform_motion/registration.h"
 
 namespace tribotrack::vision {
@@ -85,12 +86,8 @@ void add(const Placed& placed, const Rect& place, const Ground* before, float ou
   }
 }
 
-cv::Mat matrix_of(Picture& p) {
-  return {p.height(), p.width(), CV_32F, p.levels().data()};
-}
-
 /// Mean over 5 x 5 places of what is known: a variance from a hundred frames scatters by a seventh.
-void smooth(Picture& variance, Picture& seen) {
+void smooth(Picture& variance, const Picture& seen) {
   const cv::Size around(5, 5);
   cv::Mat known, count, sum, of = matrix_of(variance);
   cv::threshold(matrix_of(seen), known, 0, 1, cv::THRESH_BINARY);

@@ -11,6 +11,7 @@
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/plane.h"
 #include "vision/platform_motion/registration.h"
 
 namespace tribotrack::vision {
@@ -156,7 +157,7 @@ Rect best_window(const Picture& first, const std::vector<Circle>& hidden, double
   Rect best{0, 0, std::min(first.width(), side), std::min(first.height(), side)};
   best.width = std::min(first.width(), most_pixels / best.height);
   best.height = std::min(first.height(), most_pixels / best.width);
-  const cv::Mat levels(first.height(), first.width(), CV_32F, const_cast<float*>(first.levels().data()));
+  const cv::Mat levels = matrix_of(first);
   cv::Mat x, y, there(levels.size(), CV_32F, cv::Scalar(1)), xx, xy, yy, n;
   cv::Sobel(levels, x, CV_32F, 1, 0, 1, 0.5);
   cv::Sobel(levels, y, CV_32F, 0, 1, 1, 0.5);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "vision/kernels/median.h"
+#include "vision/kernels/plane.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -126,9 +127,6 @@ constexpr double kNone = 1e9;
 
 /// Mean of what lies inside the mask, weighted by a Gaussian.
 Picture smoothed(const Picture& levels, const Picture& mask, double sd) {
-  const auto as_mat = [](const Picture& p) {
-    return cv::Mat(p.height(), p.width(), CV_32F, const_cast<float*>(p.levels().data()));
-  };
   const int side = 2 * static_cast<int>(std::ceil(3 * sd)) + 1;
   const auto blurred = [&](const cv::Mat& from) {
     cv::Mat to;
@@ -136,8 +134,9 @@ Picture smoothed(const Picture& levels, const Picture& mask, double sd) {
     return to;
   };
   Picture out(levels.width(), levels.height());
-  cv::Mat mean = as_mat(out);
-  cv::divide(blurred(as_mat(levels).mul(as_mat(mask))), cv::max(blurred(as_mat(mask)), 1e-30F), mean);
+  cv::Mat mean = matrix_of(out);
+  cv::divide(blurred(matrix_of(levels).mul(matrix_of(mask))), cv::max(blurred(matrix_of(mask)), 1e-30F),
+             mean);
   return out;
 }
 

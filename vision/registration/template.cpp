@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "vision/kernels/plane.h"
 #include "vision/registration/pattern.h"
 
 namespace tribotrack::vision {
@@ -19,22 +20,16 @@ TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& 
                                            const RegistrationOptions& options)
     : options_(options), pattern_(pattern) {
   const Rect& w = pattern.window;
-  const int x0 = std::max(0, w.x - kBorder);
-  const int y0 = std::max(0, w.y - kBorder);
-  const int x1 = std::min(first.width(), w.x + w.width + kBorder);
-  const int y1 = std::min(first.height(), w.y + w.height + kBorder);
-  Picture context(x1 - x0, y1 - y0);
-  for (int y = y0; y < y1; ++y) std::copy_n(first.row(y).begin() + x0, x1 - x0, context.row(y - y0).begin());
-  spline_ = QuinticSpline(context);
-  spline_x_ = x0;
-  spline_y_ = y0;
-  levels_ = Picture(w.width, w.height);
+  const Rect context = grown(w, kBorder, bounds_of(first));
+  spline_ = QuinticSpline(part_of(first, context));
+  spline_x_ = context.x;
+  spline_y_ = context.y;
+  levels_ = part_of(first, w);
   double sum = 0;
   double squares = 0;
   for (int y = 0; y < w.height; ++y)
     for (int x = 0; x < w.width; ++x) {
-      const float level = first.at(w.x + x, w.y + y);
-      levels_.at(x, y) = level;
+      const float level = levels_.at(x, y);
       if (pattern.weights.at(x, y) > 0) {
         ++pixels_;
         sum += level;

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/kernels/plane.h"
+
 namespace tribotrack::vision {
 namespace {
-
-cv::Mat as_mat(const Picture& picture) {
-  return {picture.height(), picture.width(), CV_32F, const_cast<float*>(picture.levels().data())};
-}
 
 Picture averaged(const Picture& picture, int n) {
   Picture out(picture.width() / n, picture.height() / n);
@@ -35,10 +33,10 @@ cv::Mat zncc_map(const Picture& picture, const MaskedTemplate& pattern) {
     mean += pattern.weights.levels()[i] * pattern.levels.levels()[i];
   }
   mean /= weight;
-  const cv::Mat w = as_mat(pattern.weights);
-  cv::Mat shape = (as_mat(pattern.levels) - mean).mul(w);
-  const double norm = std::sqrt(std::max(1e-12, shape.dot(as_mat(pattern.levels) - mean)));
-  cv::Mat levels = as_mat(picture) - cv::mean(as_mat(picture))[0];
+  const cv::Mat w = matrix_of(pattern.weights);
+  cv::Mat shape = (matrix_of(pattern.levels) - mean).mul(w);
+  const double norm = std::sqrt(std::max(1e-12, shape.dot(matrix_of(pattern.levels) - mean)));
+  cv::Mat levels = matrix_of(picture) - cv::mean(matrix_of(picture))[0];
   cv::Mat product, sum, squares;
   cv::matchTemplate(levels, shape, product, cv::TM_CCORR);
   cv::matchTemplate(levels, w, sum, cv::TM_CCORR);
@@ -58,7 +56,7 @@ TemplateMatcher::TemplateMatcher(const MaskedTemplate& pattern)
       height_(pattern.levels.height()),
       shape_(pattern.levels),
       weights_(pattern.weights) {
-  const cv::Mat shape = as_mat(shape_), weights = as_mat(weights_);
+  const cv::Mat shape = matrix_of(shape_), weights = matrix_of(weights_);
   weight_ = cv::sum(weights)[0];
   pivot_ = shape.dot(weights) / weight_;
   cv::Mat centred = (shape - pivot_).mul(weights);
@@ -74,11 +72,11 @@ TemplateMatcher::TemplateMatcher(const MaskedTemplate& pattern)
 }
 
 double TemplateMatcher::score(const Picture& picture, int x, int y) const {
-  const cv::Mat centred = as_mat(picture)(cv::Rect(x, y, width_, height_)) - pivot_;
-  const cv::Mat weighted = as_mat(weights_).mul(centred);
+  const cv::Mat centred = matrix_of(picture)(cv::Rect(x, y, width_, height_)) - pivot_;
+  const cv::Mat weighted = matrix_of(weights_).mul(centred);
   const double sum = cv::sum(weighted)[0], squares = weighted.dot(centred);
   const double spread = squares - sum * sum / weight_;
-  return spread > 1e-6 * (weight_ + squares) ? as_mat(shape_).dot(centred) / std::sqrt(spread) : 0;
+  return spread > 1e-6 * (weight_ + squares) ? matrix_of(shape_).dot(centred) / std::sqrt(spread) : 0;
 }
 
 Match TemplateMatcher::climb(const Picture& picture, Match from, int step) const {

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "vision/kernels/bspline.h"
+#include "vision/kernels/plane.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -54,10 +55,8 @@ Harmonics RingHarmonics::of(const Picture& window, const Point& centre) {
   if (reduction_ > 1) {
     const int width = window.width() / reduction_, height = window.height() / reduction_;
     if (reduced_.width() != width || reduced_.height() != height) reduced_ = Picture(width, height);
-    const cv::Mat from(window.height(), window.width(), CV_32F, const_cast<float*>(window.levels().data()));
-    cv::Mat to(height, width, CV_32F, reduced_.levels().data());
-    cv::resize(from(cv::Rect(0, 0, width * reduction_, height * reduction_)), to, {width, height}, 0, 0,
-               cv::INTER_AREA);
+    const cv::Mat from = matrix_of(window)({0, 0, width * reduction_, height * reduction_});
+    cv::resize(from, matrix_of(reduced_), {width, height}, 0, 0, cv::INTER_AREA);
     picture = &reduced_;
     x = (x + 0.5) / reduction_ - 0.5;
     y = (y + 0.5) / reduction_ - 0.5;

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "vision/discs/disc_detection.h"
+#include "vision/kernels/plane.h"
 #include "vision/survey.h"
 #include "vision/survey/lamps.h"
 #include "vision/tracking/target.h"
@@ -37,9 +38,8 @@ class BinnedFrames {
     Picture picture;
     for (const std::int64_t frame : frames) {
       source.read(frame, source.bounds(), picture);
-      const cv::Mat levels(picture.height(), picture.width(), CV_32F, picture.levels().data());
       cv::Mat bins;
-      cv::resize(levels({0, 0, width_ * bin_, height_ * bin_}), bins, {width_, height_}, 0, 0,
+      cv::resize(matrix_of(picture)({0, 0, width_ * bin_, height_ * bin_}), bins, {width_, height_}, 0, 0,
                  cv::INTER_AREA);
       bins.convertTo(frames_.emplace_back(), CV_8U, 255 / white_);
     }
@@ -261,10 +261,6 @@ DiscSearch all_discs() {
   DiscSearch search;
   search.min_radius = kSmallestRadius;
   return search;
-}
-
-double distance(const Circle& a, const Circle& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
 }
 
 bool like(const Circle& a, const Circle& b) {

@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "vision/kernels/plane.h"
+
 namespace tribotrack::vision {
 namespace {
 
@@ -156,10 +158,6 @@ ScenePose checked_pose(const std::function<ScenePose(double)>& pose, double time
     }
   }
   return p;
-}
-
-double distance(Point a, Point b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
 }
 
 }  // namespace

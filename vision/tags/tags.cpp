@@ -17,6 +17,7 @@
 
 #include "vision/io/levels.h"
 #include "vision/kernels/bspline.h"
+#include "vision/kernels/plane.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {
@@ -54,13 +55,11 @@ void require_tag_family(const std::string& dictionary) {
 }
 
 cv::Mat to_8_bit(const Picture& picture) {
-  const cv::Mat levels(picture.height(), picture.width(), CV_32F,
-                       const_cast<float*>(picture.levels().data()));
   std::vector<float> sorted(picture.levels().begin(), picture.levels().end());
   const double low = level_of_share(sorted, 0.01),
                high = std::max(low + 1, double{level_of_share(sorted, 0.99)});
   cv::Mat out;
-  levels.convertTo(out, CV_8U, 240 / (high - low), 8 - 240 * low / (high - low));
+  matrix_of(picture).convertTo(out, CV_8U, 240 / (high - low), 8 - 240 * low / (high - low));
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "vision/kernels/plane.h"
 #include "vision/track.h"
 
 namespace tribotrack::vision {
@@ -98,7 +99,7 @@ std::optional<std::string> without_a_mark(Track& track, std::size_t begin) {
   const TrackPoint start = points[begin];
   std::size_t end = begin;
   for (; end < points.size() && points[end].status == TrackStatus::ok; ++end)
-    if (std::hypot(points[end].x - start.x, points[end].y - start.y) > kStill) return std::nullopt;
+    if (distance(points[end], start) > kStill) return std::nullopt;
   for (std::size_t k = begin; k < end; ++k) points[k].status = TrackStatus::lost;
   return fmt::format(
       "the part had left the picture; what looks like it at ({:.1f}, {:.1f}) px in frames {} to {} does not "

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "vision/io/levels.h"
+#include "vision/kernels/plane.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {
@@ -37,14 +38,6 @@ double capture_of(const Circle& given) {
 bool whole_in(const Rect& picture, const Circle& c) {
   return c.x - c.radius >= -0.5 && c.y - c.radius >= -0.5 && c.x + c.radius <= picture.width - 0.5 &&
          c.y + c.radius <= picture.height - 0.5;
-}
-
-Rect all_of(const Picture& picture) {
-  return {0, 0, picture.width(), picture.height()};
-}
-
-double distance(const Circle& a, const Circle& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
 }
 
 double ratio(double a, double b) {
@@ -104,12 +97,12 @@ std::vector<DiscFit> discs_in(const Picture& picture, const TrackOptions& option
 
 std::optional<DiscFit> refined(const Picture& first, const Circle& given) {
   auto fit = fit_disc(first, given, capture_of(given));
-  if (fit && !whole_in(all_of(first), fit->circle)) fit.reset();
+  if (fit && !whole_in(bounds_of(first), fit->circle)) fit.reset();
   return fit;
 }
 
 void check_whole(const Picture& first, const Circle& c, const FrameSource& source, const char* what) {
-  if (whole_in(all_of(first), c) && c.radius >= 2) return;
+  if (whole_in(bounds_of(first), c) && c.radius >= 2) return;
   throw InputError(
       fmt::format("{}: the {} at ({:.1f}, {:.1f}) px with radius {:.1f} px is not wholly in the {} x {} "
                   "picture; give its "
@@ -278,7 +271,7 @@ std::int64_t frames_at_rest(const Track& track) {
     const TrackPoint& p = track.points[k];
     if (p.status != TrackStatus::ok) continue;
     if (!start) start = &p;
-    if (std::hypot(p.x - start->x, p.y - start->y) > kStill) return static_cast<std::int64_t>(k);
+    if (distance(p, *start) > kStill) return static_cast<std::int64_t>(k);
   }
   return start ? static_cast<std::int64_t>(track.points.size()) : 0;
 }

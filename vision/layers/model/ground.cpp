@@ -8,6 +8,7 @@
 
 #include "vision/kernels/median.h"
 #include "vision/kernels/parallel.h"
+#include "vision/kernels/plane.h"
 #include "vision/kernels/vector_kernels.h"
 #include "vision/layers/model/part.h"
 
@@ -20,8 +21,7 @@ constexpr float kFramesNeeded = 3;   ///< fewer do not tell how a place's level 
 /// The mean over 3 x 3 places: the interpolation leans on the neighbours.
 Picture box_mean(const Picture& in) {
   Picture out = in;
-  cv::Mat levels(out.height(), out.width(), CV_32F, out.levels().data());
-  cv::blur(levels, levels, {3, 3}, {-1, -1}, cv::BORDER_REPLICATE);
+  cv::blur(matrix_of(in), matrix_of(out), {3, 3}, {-1, -1}, cv::BORDER_REPLICATE);
   return out;
 }
 

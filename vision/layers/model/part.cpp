@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "vision/kernels/parallel.h"
+#include "vision/kernels/plane.h"
 #include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
@@ -36,8 +37,7 @@ constexpr float kFewest = 4;      ///< windows at a place, of which two unknowns
 /// By a Gaussian of 1 px.
 Picture smoothed(const Picture& picture) {
   Picture out = picture;
-  cv::Mat levels(out.height(), out.width(), CV_32F, out.levels().data());
-  cv::GaussianBlur(levels, levels, {5, 5}, 1, 1, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(matrix_of(picture), matrix_of(out), {5, 5}, 1, 1, cv::BORDER_REPLICATE);
   return out;
 }
 

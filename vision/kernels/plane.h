@@ -1,0 +1,44 @@
+// In the plane of a picture: distances, windows, OpenCV's view of a picture.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core/mat.hpp>
+
+#include "vision/picture.h"
+
+namespace tribotrack::vision {
+
+/// Between points, or the centres of circles.
+template <class A, class B>
+double distance(const A& a, const B& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+/// By so many pixels on every side, as far as `bounds` reach.
+inline Rect grown(const Rect& r, int by, const Rect& bounds) {
+  return common({r.x - by, r.y - by, r.width + 2 * by, r.height + 2 * by}, bounds);
+}
+
+inline Rect bounds_of(const Picture& picture) {
+  return {0, 0, picture.width(), picture.height()};
+}
+
+/// `to` has the window's size.
+inline void copy_window(const Picture& from, const Rect& window, Picture& to) {
+  for (int y = 0; y < window.height; ++y)
+    std::copy_n(from.row(window.y + y).begin() + window.x, window.width, to.row(y).begin());
+}
+
+inline Picture part_of(const Picture& picture, const Rect& window) {
+  Picture part(window.width, window.height);
+  copy_window(picture, window, part);
+  return part;
+}
+
+/// A header over the picture's own levels, which stay: to write through it changes them.
+inline cv::Mat matrix_of(const Picture& picture) {
+  return {picture.height(), picture.width(), CV_32F, const_cast<float*>(picture.levels().data())};
+}
+
+}  // namespace tribotrack::vision
