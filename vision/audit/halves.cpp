@@ -229,21 +229,14 @@ std::optional<HalvesFound> halves_found(const std::vector<AuditFrame>& frames) {
   return out;
 }
 
-std::vector<AuditRun> audit_runs(std::int64_t first, std::int64_t total) {
-  if (total <= 0) return {};
-  if (total <= kAuditFrames) return {{first, first + total - 1}};
+bool in_audit(std::int64_t place, std::int64_t total) {
+  if (total <= kAuditFrames) return true;
   constexpr std::int64_t kRuns = kAuditFrames / kAuditRun;
-  std::vector<AuditRun> runs;
-  for (std::int64_t k = 0; k < kRuns; ++k) {
-    const std::int64_t begin = first + k * (total - kAuditRun) / (kRuns - 1);
-    runs.push_back({begin, begin + kAuditRun - 1});
-  }
-  return runs;
-}
-
-bool in_audit(const std::vector<AuditRun>& runs, std::int64_t index) {
-  return std::ranges::any_of(runs,
-                             [&](const AuditRun& run) { return run.first <= index && index <= run.last; });
+  for (std::int64_t k = 0; k < kRuns; ++k)
+    if (const std::int64_t begin = k * (total - kAuditRun) / (kRuns - 1);
+        place >= begin && place < begin + kAuditRun)
+      return true;
+  return false;
 }
 
 double outlier_size(const std::vector<double>& numbers) {

@@ -96,15 +96,7 @@ inline constexpr std::int64_t kAuditRun = 8;
 /// A ratio of standard deviations pooled over three splits of two coordinates is then known to 1.8 %.
 inline constexpr std::int64_t kAuditFrames = 256;
 
-/// Frames [first, last].
-struct AuditRun {
-  std::int64_t first = 0, last = 0;
-};
-
-/// Of frames [first, first + total), in order: all of a short recording.
-std::vector<AuditRun> audit_runs(std::int64_t first, std::int64_t total);
-
-/// Whether the frame lies in one of the runs.
-bool in_audit(const std::vector<AuditRun>& runs, std::int64_t index);
+/// Whether the frame at this place (0 .. total - 1) lies in one of them; all of a short recording do.
+bool in_audit(std::int64_t place, std::int64_t total);
 
 }  // namespace tribotrack::vision

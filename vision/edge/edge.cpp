@@ -233,7 +233,7 @@ bool turns(const FirstPassResult& first, const Track& track) {
   if (!first.turning) return false;
   std::vector<double> theta;
   for (std::size_t k = 0; k < track.points.size(); ++k)
-    if (track.points[k].status == TrackStatus::ok) theta.push_back(first.theta[k]);
+    if (track.points[k].status == TrackStatus::ok) theta.push_back(first.looks[k].theta);
   double mean = 0, total = 0, white = 0;
   const auto n = static_cast<double>(theta.size());
   for (const double t : theta) mean += t / n;

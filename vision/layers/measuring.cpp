@@ -138,7 +138,6 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
                               const std::function<void(std::int64_t done)>& progress) {
   MeasuredFrames out;
   Runs runs(out, registration);
-  const std::vector<AuditRun> wanted = audit_runs(0, static_cast<std::int64_t>(frames.size()));
   std::vector<LayeredRegistration> registrations(static_cast<std::size_t>(std::max(1, threads)),
                                                  registration);
   std::mutex reading;
@@ -157,7 +156,7 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
       sights[i].fix = own.refine(picture, window.x, window.y, {f.centre, f.ground, 1, 0, 0, 1},
                                  learnt.light.at(f.centre));
       if (!sights[i].fix) return;
-      if (in_audit(wanted, static_cast<std::int64_t>(first + i))) sights[i].halves = own.halves();
+      if (in_audit(static_cast<std::int64_t>(first + i), std::ssize(frames))) sights[i].halves = own.halves();
       sights[i].pulls = own.cluster_pulls();
     });
     for (std::size_t i = 0; i < sights.size(); ++i) {
@@ -179,10 +178,6 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
 namespace {
 
 constexpr double kBeyond = 2;  ///< px shown about the part's grid
-
-Point first_of(const Rect& region) {
-  return {static_cast<double>(region.x), static_cast<double>(region.y)};
-}
 
 Picture square_roots(Picture picture) {
   for (float& level : picture.levels()) level = std::sqrt(std::max(0.0F, level));
@@ -225,50 +220,34 @@ Picture predicted(const PartPictures& part, const GroundPicture& ground, const L
 
 void show_layers(const PartPictures& part, const GroundPicture& ground, DebugSink& sink) {
   const double half = part.half;
-  const Rect& region = ground.region();
-  const auto on_part = [&](const char* name, const char* title, Picture levels, const char* unit) {
+  const Point corner{static_cast<double>(ground.region().x), static_cast<double>(ground.region().y)};
+  const auto show = [&](const char* name, const char* title, Picture levels, const char* unit,
+                        const Point& first, const char* place) {
     sink.show(StagePicture{.name = name,
                            .title = title,
                            .levels = std::move(levels),
                            .unit = unit,
-                           .first = {-half, -half},
-                           .place = "from the part's centre"});
+                           .first = first,
+                           .place = place});
   };
-  on_part("layers_part", "the part learnt, on ground of mean level", part.level, "grey levels");
-  on_part("layers_share", "share of the ground that shows", part.share, "share");
-  on_part("layers_part_sd", "standard deviation left unexplained", square_roots(part.variance),
-          "grey levels");
-  sink.show(StagePicture{.name = "layers_ground",
-                         .title = "the background learnt (the platform)",
-                         .levels = ground_levels(ground),
-                         .first = first_of(region),
-                         .place = "of the platform"});
-  sink.show(StagePicture{.name = "layers_ground_sd",
-                         .title = "standard deviation of the background",
-                         .levels = square_roots(ground.variance()),
-                         .first = first_of(region),
-                         .place = "of the platform"});
+  constexpr const char *kLevels = "grey levels", *kOnPart = "from the part's centre",
+                       *kOnGround = "of the platform";
+  show("layers_part", "the part learnt, on ground of mean level", part.level, kLevels, {-half, -half},
+       kOnPart);
+  show("layers_share", "share of the ground that shows", part.share, "share", {-half, -half}, kOnPart);
+  show("layers_part_sd", "standard deviation left unexplained", square_roots(part.variance), kLevels,
+       {-half, -half}, kOnPart);
+  show("layers_ground", "the background learnt (the platform)", ground_levels(ground), kLevels, corner,
+       kOnGround);
+  show("layers_ground_sd", "standard deviation of the background", square_roots(ground.variance()), kLevels,
+       corner, kOnGround);
 }
 
 void show_layered_frame(const PartPictures& part, const GroundPicture& ground, const LayeredState& state,
                         const ShownFrame& shown, FrameSource& source, DebugSink& sink) {
   const Rect window = window_about(state.centre, part.half + kBeyond, source.bounds());
-  Picture seen;
-  source.read(shown.index, window, seen);
-  StagePicture model{.name = "layers_predicted",
-                     .title = "part over background at the measured place",
-                     .frame = source.number(shown.index),
-                     .why_frame = shown.why,
-                     .levels = predicted(part, ground, state, window),
-                     .first = first_of(window),
-                     .place = "of the camera"};
-  StagePicture residual = model;
-  residual.name = "layers_residual";
-  residual.title = "layers: camera minus prediction";
-  residual.levels = difference(seen, model.levels);
-  residual.zero_centred = true;
-  sink.show(model);
-  sink.show(residual);
+  show_prediction(window_of(source, shown, window), predicted(part, ground, state, window), "layers",
+                  "part over background at the measured place", "layers: camera minus prediction", sink);
 }
 
 }  // namespace tribotrack::vision

@@ -53,7 +53,7 @@ bool nothing_to_learn(const FirstPassResult& first, const Track& track) {
   // Where the part was lost something covered it, which a template does not tell from the part.
   if (std::ranges::any_of(track.points, [](const TrackPoint& p) { return p.status != TrackStatus::ok; }))
     return false;
-  const bool by_template = std::ranges::none_of(first.by_rim, std::identity());
+  const bool by_template = std::ranges::none_of(first.looks, &PartLook::by_rim);
   return by_template && first.contrast > 0 && pull_of_ground(first) < kNegligible * first.limit_px &&
          first.excess < kExplained * std::sqrt(first.noise_variance);
 }

@@ -182,10 +182,11 @@ void take_template(const FirstPassResult& first, Track& track) {
   std::optional<double> origin;
   for (std::size_t k = 0; k < track.points.size(); ++k) {
     TrackPoint& p = track.points[k];
-    if (p.status != TrackStatus::ok || !(first.sigma_theta[k] > 0)) continue;
-    const double theta = unwrapped.next(p.frame, first.theta[k]);
+    const PartLook& look = first.looks[k];
+    if (p.status != TrackStatus::ok || !(look.sigma_theta > 0)) continue;
+    const double theta = unwrapped.next(p.frame, look.theta);
     if (!origin) origin = theta;
-    p.rotation = Rotation{theta - *origin, first.sigma_theta[k]};
+    p.rotation = Rotation{theta - *origin, look.sigma_theta};
   }
   track.has_rotation = origin.has_value();
 }

@@ -20,6 +20,14 @@ struct FrameRange {
 /// From the recording's own numbers. Throws InputError where it does not hold them.
 FrameRange frames_to_analyse(const FrameSource& source, const TrackOptions& options);
 
+/// How a frame showed the part, beside its place; nothing is known where it was not ok.
+struct PartLook {
+  double theta = 0;        ///< rotation, as its texture shows it, rad
+  double sigma_theta = 0;  ///< its standard deviation; 0 where it was not measured
+  double residual = 0;     ///< grey levels rms
+  bool by_rim = false;     ///< the template was not confirmed: by the rim alone, theta as predicted
+};
+
 struct FirstPassResult {
   std::int64_t first_index = 0;     ///< of the track's first point in the source
   std::int64_t total = 0;           ///< frames analysed
@@ -29,11 +37,8 @@ struct FirstPassResult {
   double limit_px = 0;              ///< Cramer-Rao bound of a coordinate by the template
   bool turning = false;             ///< the part's texture shows its rotation
   bool texture_seen = false;        ///< in the first frame there is a texture that would show it
-  std::vector<double> theta;        ///< that rotation, rad, one per point; 0 where not ok
-  std::vector<double> sigma_theta;  ///< its standard deviation; 0 where it was not measured
-  std::vector<bool> by_rim;         ///< the template was not confirmed: by the rim alone, theta as predicted
+  std::vector<PartLook> looks;      ///< one per point
   std::vector<AuditFrame> audited;  ///< frames whose halves were compared, none measured by the rim
-  std::vector<double> residual;     ///< grey levels rms, one per point; 0 where not ok
   double noise_variance = 0;
   double ground_texture = 0;  ///< about the part in the first frame, grey levels rms beyond the noise
   double excess = 0;          ///< median residual beyond the noise, grey levels rms
@@ -87,15 +92,16 @@ struct ShownFrame {
   std::string why;
 };
 
-/// In order. `residual` rms of each point of the track, whose first has index `first_index`. None without
-/// TrackOptions::debug. Throws InputError where a requested frame was not analysed.
-std::vector<ShownFrame> frames_to_show(const Track& track, std::int64_t first_index,
-                                       const std::vector<double>& residual, const TrackOptions& options);
+/// In order. None without TrackOptions::debug. Throws InputError where a requested frame was not analysed.
+std::vector<ShownFrame> frames_to_show(const Track& track, const FirstPassResult& first,
+                                       const TrackOptions& options);
 
-/// Both are drawn in the range of the first one's levels.
-void share_range(StagePicture& from, StagePicture& with);
+/// What a stage predicts of a window of a frame, and what it leaves of it: pictures `stage`_predicted and
+/// `stage`_residual. `seen` is the window, with frame and first pixel; the prediction is drawn in its range.
+void show_prediction(const StagePicture& seen, Picture predicted, const std::string& stage,
+                     const std::string& title, const std::string& residual_title, DebugSink& sink);
 
-/// a - b, NaN where either is.
-Picture difference(const Picture& a, const Picture& b);
+/// The camera's picture in a window of a frame that is shown, all of its range.
+StagePicture window_of(FrameSource& source, const ShownFrame& shown, const Rect& window);
 
 }  // namespace tribotrack::vision

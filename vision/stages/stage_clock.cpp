@@ -64,43 +64,60 @@ std::size_t place_of(const Track& track, std::int64_t frame) {
 
 }  // namespace
 
-std::vector<ShownFrame> frames_to_show(const Track& track, std::int64_t first_index,
-                                       const std::vector<double>& residual, const TrackOptions& options) {
+std::vector<ShownFrame> frames_to_show(const Track& track, const FirstPassResult& first,
+                                       const TrackOptions& options) {
   std::vector<ShownFrame> shown;
   if (!options.debug || track.points.empty()) return shown;
   std::vector<std::int64_t> seen;
   for (std::size_t k = 0; k < track.points.size(); ++k)
-    if (track.points[k].status == TrackStatus::ok) seen.push_back(first_index + static_cast<std::int64_t>(k));
+    if (track.points[k].status == TrackStatus::ok)
+      seen.push_back(first.first_index + static_cast<std::int64_t>(k));
   for (const std::int64_t frame : options.debug_frames) {
     const std::size_t place = place_of(track, frame);
     if (track.points[place].status == TrackStatus::ok)
-      add(shown, first_index + static_cast<std::int64_t>(place), "requested");
+      add(shown, first.first_index + static_cast<std::int64_t>(place), "requested");
   }
   if (options.debug_frames.empty() && !seen.empty()) {
     add(shown, seen.front(), "first");
     add(shown, seen[seen.size() / 2], "middle");
     add(shown, seen.back(), "last");
-    const auto worst = std::ranges::max_element(residual) - residual.begin();
-    if (residual[static_cast<std::size_t>(worst)] > 0) add(shown, first_index + worst, "largest residual");
+    const auto worst = std::ranges::max_element(first.looks, {}, &PartLook::residual);
+    if (worst->residual > 0)
+      add(shown, first.first_index + (worst - first.looks.begin()), "largest residual");
   }
   std::ranges::sort(shown, {}, &ShownFrame::index);
   return shown;
 }
 
-void share_range(StagePicture& from, StagePicture& with) {
-  std::vector<float> levels;
-  for (const float level : from.levels.levels())
-    if (std::isfinite(level)) levels.push_back(level);
-  if (levels.empty()) return;
-  const auto [low, high] = std::ranges::minmax(levels);
-  from.low = with.low = low;
-  from.high = with.high = high;
+StagePicture window_of(FrameSource& source, const ShownFrame& shown, const Rect& window) {
+  StagePicture seen{.name = "window",
+                    .title = "the camera's picture about the part",
+                    .frame = source.number(shown.index),
+                    .why_frame = shown.why,
+                    .levels = {},
+                    .first = {static_cast<double>(window.x), static_cast<double>(window.y)},
+                    .place = "of the camera"};
+  source.read(shown.index, window, seen.levels);
+  const auto [low, high] = std::ranges::minmax(seen.levels.levels());
+  seen.low = low;
+  seen.high = high;
+  return seen;
 }
 
-Picture difference(const Picture& a, const Picture& b) {
-  Picture out = a;
-  for (std::size_t k = 0; k < out.levels().size(); ++k) out.levels()[k] -= b.levels()[k];
-  return out;
+void show_prediction(const StagePicture& seen, Picture predicted, const std::string& stage,
+                     const std::string& title, const std::string& residual_title, DebugSink& sink) {
+  StagePicture model = seen, residual = seen;
+  model.name = stage + "_predicted";
+  model.title = title;
+  residual.name = stage + "_residual";
+  residual.title = residual_title;
+  residual.low = residual.high = 0;
+  residual.zero_centred = true;
+  for (std::size_t k = 0; k < predicted.levels().size(); ++k)
+    residual.levels.levels()[k] -= predicted.levels()[k];
+  model.levels = std::move(predicted);
+  sink.show(model);
+  sink.show(residual);
 }
 
 }  // namespace tribotrack::vision

@@ -18,22 +18,7 @@ auto timed(StageClock& clock, const char* stage, const Call& call) {
   return call();
 }
 
-/// In the first frame: a disc given without a rim that confirms it still has one to measure.
-std::optional<DiscFit> rim_of(const PartSetup& part, const Picture& first) {
-  if (part.pattern.radius > 0 && !part.rim) return fit_disc(first, part.disc, 1);
-  return part.rim;
-}
-
-/// As its sectors show it; nothing where too few do for it to be told from other round things.
-std::optional<RimShape> shape_in(const Picture& first, const std::optional<DiscFit>& rim) {
-  if (!rim) return std::nullopt;
-  const auto sectors = measure_rim_sectors(first, rim->circle, rim->blur);
-  if (!sectors) return std::nullopt;
-  const RimShape shape = shape_of(*sectors, rim->blur, {rim->circle.x, rim->circle.y});
-  return same_rim(*sectors, shape) ? std::optional(shape) : std::nullopt;
-}
-
-void fill(TrackPoint& point, const Sighting& s) {
+void fill(TrackPoint& point, PartLook& look, const Sighting& s) {
   point.status = TrackStatus::ok;
   point.x = s.position.x;
   point.y = s.position.y;
@@ -41,6 +26,7 @@ void fill(TrackPoint& point, const Sighting& s) {
   point.sigma_x = std::sqrt(s.covariance(0, 0));
   point.sigma_y = std::sqrt(s.covariance(1, 1));
   point.rho_xy = s.covariance(0, 1) / (point.sigma_x * point.sigma_y);
+  look = {s.pose.theta, s.sigma_theta, s.residual_rms, s.by_rim};
 }
 
 PlanStage bad_pixels_stage(std::size_t found) {
@@ -91,48 +77,32 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Appeara
       options_(options),
       clock_(clock),
       bad_pixels_(camera.bad_pixels.size()),
-      noise_variance_(camera.noise_variance),
       first_(source.read(range.first)),
       setup_(timed(clock, "template of the part",
                    [&] { return set_up_part(first_, source, range, seen, options, camera.noise_variance); })),
-      rim_(rim_of(setup_, first_)),
-      rim_shape_(shape_in(first_, rim_)),
-      part_(setup_.average.picture(first_), range.first, setup_.pattern, setup_.follow, rim_shape_),
-      marker_(timed(
-          clock, "first pass: marker",
-          [&] { return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.disc); })),
-      audited_(audit_runs(range.first, range.count())) {
+      part_(setup_.average.picture(first_), range.first, setup_.pattern, setup_.follow, setup_.shape),
+      marker_(timed(clock, "first pass: marker", [&] {
+        return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.result.disc);
+      })) {
   if (options.gate) lamp_.emplace(*options.gate, source);
   if (asks_ground(options)) {
     const auto running = clock.enter("first pass: marker");
     glance_.emplace(first_, over_ground(setup_.pattern.centre, setup_.pattern, options), range.first,
-                    range.last, kGroundGlance, noise_variance_);
+                    range.last, kGroundGlance, camera.noise_variance);
   }
   last_seen_ = setup_.pattern.centre;
-  result_.first_index = range.first;
-  result_.total = range.count();
-  result_.disc = setup_.disc;
-  result_.blur = rim_ ? rim_->blur : 0;
-  result_.contrast = rim_ ? std::abs(rim_->contrast) : 0;
-  result_.limit_px = setup_.limit_px;
-  result_.turning = setup_.follow.rotation;
-  result_.texture_seen = setup_.texture_seen;
-  result_.noise_variance = noise_variance_;
-  result_.ground_texture = setup_.ground_texture;
   track_.has_marker = marker_.follower.has_value();
   track_.has_gate = lamp_.has_value();
-  track_.points.reserve(static_cast<std::size_t>(range.count()));
 }
 
 std::optional<Point> FirstPass::step(std::int64_t index) {
-  TrackPoint point;
+  TrackPoint& point = track_.points.emplace_back();
   point.frame = source_.number(index);
   point.time_s = source_.time_s(index);
-  const FollowStep step = follow_part(index, point);
+  const FollowStep step = follow_part(index);
   follow_marker(index, point);
   sample_lamp(index, point);
   glance_at_ground(index, step);
-  track_.points.push_back(point);
   if (!step.sighting) return std::nullopt;
   return step.sighting->position;
 }
@@ -143,30 +113,25 @@ std::optional<Circle> FirstPass::mark() const {
   return Circle{seen->x, seen->y, marker_.circle.radius};
 }
 
-FollowStep FirstPass::follow_part(std::int64_t index, TrackPoint& point) {
-  FollowStep step = timed(clock_, "first pass: part",
-                          [&] { return part_.step(source_, index, in_audit(audited_, index)); });
+/// Fills the last point.
+FollowStep FirstPass::follow_part(std::int64_t index) {
+  auto& points = track_.points;
+  FirstPassResult& result = setup_.result;
+  const bool audited = in_audit(index - range_.first, range_.count());
+  FollowStep step = timed(clock_, "first pass: part", [&] { return part_.step(source_, index, audited); });
   if (step.confirms_previous && tentative_) {
-    fill(track_.points.back(), *tentative_);
-    result_.theta.back() = tentative_->pose.theta;
-    result_.sigma_theta.back() = tentative_->sigma_theta;
-    result_.residual.back() = tentative_->residual_rms;
-    result_.by_rim.back() = tentative_->by_rim;
+    fill(points[points.size() - 2], result.looks.back(), *tentative_);
     ++refound_;
-    if (step.came_back) came_back_.push_back(track_.points.size() - 1);
+    if (step.came_back) came_back_.push_back(points.size() - 2);
   }
   tentative_ = step.tentative ? step.sighting : std::nullopt;
-  point.status = step.status;
-  const bool ok = step.status == TrackStatus::ok;
-  result_.theta.push_back(ok ? step.sighting->pose.theta : 0);
-  result_.sigma_theta.push_back(ok ? step.sighting->sigma_theta : 0);
-  result_.residual.push_back(ok ? step.sighting->residual_rms : 0);
-  result_.by_rim.push_back(ok && step.sighting->by_rim);
-  if (!ok) return step;
-  fill(point, *step.sighting);
+  points.back().status = step.status;
+  result.looks.emplace_back();
+  if (step.status != TrackStatus::ok) return step;
+  fill(points.back(), result.looks.back(), *step.sighting);
   if (!step.sighting->by_rim) excess_.push_back(step.sighting->excess_rms);
   if (step.sighting->halves)
-    result_.audited.push_back({index, *step.sighting->halves, step.sighting->covariance});
+    result.audited.push_back({index, *step.sighting->halves, step.sighting->covariance});
   return step;
 }
 
@@ -196,14 +161,14 @@ void FirstPass::glance_at_ground(std::int64_t index, const FollowStep& step) {
 void FirstPass::follow_ground(TrackSummary& summary) {
   const auto running = clock_.enter("first pass: marker");
   if (glance_) {
-    const GroundVerdict ground = look_at_ground(glance_->sample(), noise_variance_);
+    const GroundVerdict ground = look_at_ground(glance_->sample(), setup_.result.noise_variance);
     if (!ground.moves) summary.plan.push_back(ground_marker_stage(ground.reason, 0));
     if (!ground.moves) return;
   } else if (!wants_ground(options_, track_.has_marker)) {
     return;
   }
   const GroundMarker marker =
-      follow_platform(source_, range_.first, options_, noise_variance_, setup_.pattern, track_);
+      follow_platform(source_, range_.first, options_, setup_.result.noise_variance, setup_.pattern, track_);
   summary.ground_is_marker = marker.followed;
   summary.plan.push_back(marker.stage);
   if (marker.lost > 0)
@@ -213,13 +178,13 @@ void FirstPass::follow_ground(TrackSummary& summary) {
 
 Track FirstPass::finish(TrackSummary& summary) {
   for (const std::size_t begin : came_back_) add(summary.warnings, without_a_mark(track_, begin));
-  summary.disc = setup_.disc;
+  summary.disc = setup_.result.disc;
   summary.disc_blur = setup_.disc_blur;
   summary.disc_radius_sd = setup_.disc_radius_sd;
   summary.marker = marker_.circle;
   summary.tag = marker_.tag;
-  summary.noise_levels = std::sqrt(noise_variance_);
-  summary.limit_px = setup_.limit_px;
+  summary.noise_levels = std::sqrt(setup_.result.noise_variance);
+  summary.limit_px = setup_.result.limit_px;
   summary.gate_pixels = lamp_ ? lamp_->pixels() : 0;
   summary.gate_clipped_share = clipped_share_;
   summary.plan = {bad_pixels_stage(bad_pixels_)};
@@ -237,14 +202,17 @@ Track FirstPass::finish(TrackSummary& summary) {
         "it "
         "is seen; record at a higher rate, or mark the part",
         source_.number(*part_.effort().ended)));
-  if (rim_shape_) summary.plan.push_back(rim_stage(std::ranges::count(result_.by_rim, true), summary.ok));
+  if (setup_.shape) {
+    const auto by_rim = std::ranges::count(setup_.result.looks, true, &PartLook::by_rim);
+    summary.plan.push_back(rim_stage(by_rim, summary.ok));
+  }
   if (options_.target.kind == Target::Kind::find_disc) {
     const auto still = stillness_warning(track_, summary.disc);
     add(summary.warnings, still ? still : carried_warning(track_, summary.disc));
     summary.rests_for_ever = still.has_value();
     if (still) summary.gate_passed = false;
   }
-  result_.excess = median(excess_);
+  setup_.result.excess = median(excess_);
   return std::move(track_);
 }
 
@@ -252,7 +220,7 @@ void FirstPass::show(const Track& track, const std::vector<ShownFrame>& frames) 
   if (!options_.debug) return;
   const auto running = clock_.enter("debug pictures");
   show_template(setup_, first_, *options_.debug);
-  show_first_pass(setup_, first_, result_, track, frames, source_, *options_.debug);
+  show_first_pass(setup_, first_, track, frames, source_, *options_.debug);
 }
 
 namespace {

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "vision/audit/halves.h"
 #include "vision/frame_source.h"
 #include "vision/picture.h"
 #include "vision/platform_motion/motion.h"
@@ -49,7 +48,7 @@ class FirstPass {
             const TrackOptions& options, StageClock& clock);
 
   /// Of the part in the first frame.
-  const std::optional<DiscFit>& rim() const { return rim_; }
+  const std::optional<DiscFit>& rim() const { return setup_.rim; }
 
   /// The next frame; they must come in order. Where the part was seen, if it was: it may still turn out not
   /// to be the part.
@@ -63,12 +62,12 @@ class FirstPass {
   Track finish(TrackSummary& summary);
 
   /// Complete after finish().
-  const FirstPassResult& result() const { return result_; }
+  const FirstPassResult& result() const { return setup_.result; }
   /// To TrackOptions::debug: template, weights, and in each of these frames window, prediction and residual.
   void show(const Track& track, const std::vector<ShownFrame>& frames);
 
  private:
-  FollowStep follow_part(std::int64_t index, TrackPoint& point);
+  FollowStep follow_part(std::int64_t index);
   void follow_marker(std::int64_t index, TrackPoint& point);
   void sample_lamp(std::int64_t index, TrackPoint& point);
   void glance_at_ground(std::int64_t index, const FollowStep& step);
@@ -79,18 +78,13 @@ class FirstPass {
   const TrackOptions& options_;
   StageClock& clock_;
   std::size_t bad_pixels_;
-  double noise_variance_;
   Picture first_;
   PartSetup setup_;
-  std::optional<DiscFit> rim_;  ///< in the first frame
-  std::optional<RimShape> rim_shape_;
   PatternFollower part_;
   MarkerSetup marker_;
   std::optional<GroundSampler> glance_;  ///< at the ground: does it move?
   Point last_seen_;                      ///< the part
   std::optional<GateLamp> lamp_;
-  std::vector<AuditRun> audited_;  ///< frames whose halves are compared
-  FirstPassResult result_;
 
   Track track_;
   std::optional<Sighting> tentative_;  ///< in the last frame, to be confirmed by the next

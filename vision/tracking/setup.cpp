@@ -55,7 +55,7 @@ void set_up_rectangle(PartSetup& setup, const Picture& first, const FrameSource&
         "{}: the template {},{},{},{} must be at least 8 x 8 px and lie inside the {} x {} picture",
         source.info().path.string(), r.x, r.y, r.width, r.height, first.width(), first.height()));
   setup.pattern = rectangle_pattern(r);
-  setup.disc = {setup.pattern.centre.x, setup.pattern.centre.y, 0};
+  setup.result.disc = {setup.pattern.centre.x, setup.pattern.centre.y, 0};
 }
 
 void locate_disc(PartSetup& setup, const Picture& first, const FrameSource& source, const Appearance& seen,
@@ -67,7 +67,7 @@ void locate_disc(PartSetup& setup, const Picture& first, const FrameSource& sour
   } else {
     setup.rim = find_part(first, source, seen, options);
   }
-  setup.disc = setup.rim ? setup.rim->circle : options.target.disc;
+  setup.result.disc = setup.rim ? setup.rim->circle : options.target.disc;
   setup.disc_radius_sd = setup.rim ? setup.rim->radius_sd : kClickSd;
   setup.disc_blur = setup.rim ? setup.rim->blur : 0;
 }
@@ -84,10 +84,12 @@ PlanStage mask_stage(bool beyond_rim, double texture, double noise) {
 /// A textured ground around the disc moves against it: then the mask ends at the rim.
 void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
   const double noise = std::sqrt(noise_variance);
-  setup.ground_texture = ground_texture(first, setup.disc, setup.disc_blur, noise_variance);
-  const bool beyond_rim = !(setup.ground_texture > kTextureFactor * noise);
-  setup.pattern = disc_pattern(first, setup.disc, beyond_rim ? 3 : 0);
-  setup.plan.push_back(mask_stage(beyond_rim, setup.ground_texture, noise));
+  const Circle& disc = setup.result.disc;
+  const double texture = setup.result.ground_texture =
+      ground_texture(first, disc, setup.disc_blur, noise_variance);
+  const bool beyond_rim = !(texture > kTextureFactor * noise);
+  setup.pattern = disc_pattern(first, disc, beyond_rim ? 3 : 0);
+  setup.plan.push_back(mask_stage(beyond_rim, texture, noise));
 }
 
 /// `limit_theta` rad: Cramer-Rao bound of the rotation; `visible`: it is small enough for a first frame.
@@ -106,8 +108,8 @@ PlanStage rotation_stage(bool on, bool visible, double limit_theta) {
 void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const Picture& first,
                      FrameSource& source, const FrameRange& range) {
   const bool visible = trial.limit_theta() < kRotationLimit;
-  setup.texture_seen = visible;
-  setup.follow.rotation =
+  setup.result.texture_seen = visible;
+  setup.result.turning = setup.follow.rotation =
       visible && (setup.pattern.radius == 0 ||
                   texture_returns(source, first, range.first, range.last, setup.pattern, setup.follow));
   setup.plan.push_back(rotation_stage(setup.follow.rotation, visible, trial.limit_theta()));
@@ -140,7 +142,21 @@ void quiet_template(PartSetup& setup, double noise_cost, const Picture& first, F
     setup.follow.template_noise_share = 1.0 / setup.average.frames;
   }
   setup.plan.push_back(template_stage(setup.follow.rotation, noise_cost, agreeing,
-                                      setup.limit_px * (std::sqrt(1 + noise_cost) - 1)));
+                                      setup.result.limit_px * (std::sqrt(1 + noise_cost) - 1)));
+}
+
+/// What the first pass and those after it go by. A disc given without a rim that confirms it still has one to
+/// measure.
+void look_at_rim(PartSetup& setup, const Picture& first) {
+  if (setup.pattern.radius > 0 && !setup.rim) setup.rim = fit_disc(first, setup.result.disc, 1);
+  if (!setup.rim) return;
+  const DiscFit& rim = *setup.rim;
+  setup.result.blur = rim.blur;
+  setup.result.contrast = std::abs(rim.contrast);
+  const auto sectors = measure_rim_sectors(first, rim.circle, rim.blur);
+  if (!sectors) return;
+  const RimShape shape = shape_of(*sectors, rim.blur, {rim.circle.x, rim.circle.y});
+  if (same_rim(*sectors, shape)) setup.shape = shape;
 }
 
 }  // namespace
@@ -151,6 +167,9 @@ PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRang
   setup.follow.min_ncc = options.min_ncc;
   setup.follow.noise_variance = noise_variance;
   setup.follow.search_margin_px = options.search_margin_px;
+  setup.result.first_index = range.first;
+  setup.result.total = range.count();
+  setup.result.noise_variance = noise_variance;
   if (options.target.kind == Target::Kind::rectangle) {
     set_up_rectangle(setup, first, source, options.target.rectangle);
   } else {
@@ -158,9 +177,10 @@ PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRang
     mask_disc(setup, first, noise_variance);
   }
   const TemplateRegistration trial(first, setup.pattern, setup.follow);
-  setup.limit_px = std::sqrt(0.5 * trial.limit().trace());
+  setup.result.limit_px = std::sqrt(0.5 * trial.limit().trace());
   decide_rotation(setup, trial, first, source, range);
   quiet_template(setup, trial.template_noise_cost(), first, source, range);
+  look_at_rim(setup, first);
   return setup;
 }
 
@@ -234,36 +254,21 @@ void show_template(const PartSetup& part, const Picture& first, DebugSink& sink)
       .place = "of the camera"});
 }
 
-void show_first_pass(const PartSetup& part, const Picture& first, const FirstPassResult& result,
-                     const Track& track, const std::vector<ShownFrame>& frames, FrameSource& source,
-                     DebugSink& sink) {
+void show_first_pass(const PartSetup& part, const Picture& first, const Track& track,
+                     const std::vector<ShownFrame>& frames, FrameSource& source, DebugSink& sink) {
   TemplateRegistration registration = registration_of(part, first);
   for (const ShownFrame& shown : frames) {
-    const auto place = static_cast<std::size_t>(shown.index - result.first_index);
+    const auto place = static_cast<std::size_t>(shown.index - part.result.first_index);
     const TrackPoint& point = track.points[place];
-    const Pose pose{point.x - part.pattern.centre.x, point.y - part.pattern.centre.y, result.theta[place]};
+    const Pose pose{point.x - part.pattern.centre.x, point.y - part.pattern.centre.y,
+                    part.result.looks[place].theta};
     const Rect window = window_at(part.pattern, pose, source.bounds());
-    StagePicture seen{.name = "window",
-                      .title = "the camera's picture about the part",
-                      .frame = point.frame,
-                      .why_frame = shown.why,
-                      .levels = {},
-                      .first = {static_cast<double>(window.x), static_cast<double>(window.y)},
-                      .place = "of the camera"};
-    source.read(shown.index, window, seen.levels);
+    const StagePicture seen = window_of(source, shown, window);
     const Registration fix = registration.refine(seen.levels, window.x, window.y, pose);
-    StagePicture model = seen, residual = seen;
-    model.name = "first_pass_predicted";
-    model.title = "the template at the measured place, its gain and offset fitted";
-    model.levels = predicted(registration, fix, window);
-    residual.name = "first_pass_residual";
-    residual.title = "first pass: camera minus prediction";
-    residual.levels = difference(seen.levels, model.levels);
-    residual.zero_centred = true;
-    share_range(seen, model);
     sink.show(seen);
-    sink.show(model);
-    sink.show(residual);
+    show_prediction(seen, predicted(registration, fix, window), "first_pass",
+                    "the template at the measured place, its gain and offset fitted",
+                    "first pass: camera minus prediction", sink);
   }
 }
 

@@ -27,14 +27,12 @@ inline constexpr double kClickSd = 0.5;          ///< sd of a radius that no rim
 inline constexpr double kQuietTemplate = 0.002;  ///< relative variance below which averaging does not pay
 
 struct PartSetup {
-  Circle disc;                 ///< radius 0 for a rectangle
-  std::optional<DiscFit> rim;  ///< of the disc in the first frame, where it is seen
+  FirstPassResult result;         ///< as far as the first frames tell; the disc has radius 0 for a rectangle
+  std::optional<DiscFit> rim;     ///< of the disc in the first frame, where it is seen
+  std::optional<RimShape> shape;  ///< as its sectors show it, where enough do
   double disc_radius_sd = 0, disc_blur = 0;
-  double ground_texture = 0;  ///< around the disc, grey levels rms beyond the noise
-  bool texture_seen = false;  ///< that would show a rotation
   Pattern pattern;
   FollowOptions follow;
-  double limit_px = 0;  ///< Cramer-Rao bound of a coordinate
   AveragedTemplate average;
   std::vector<PlanStage> plan;
   std::vector<std::string> warnings;
@@ -51,8 +49,7 @@ void show_template(const PartSetup& part, const Picture& first, DebugSink& sink)
 
 /// Window, prediction by the template and residual in each of these frames, which are read again. `track` as
 /// the first pass left it.
-void show_first_pass(const PartSetup& part, const Picture& first, const FirstPassResult& result,
-                     const Track& track, const std::vector<ShownFrame>& frames, FrameSource& source,
-                     DebugSink& sink);
+void show_first_pass(const PartSetup& part, const Picture& first, const Track& track,
+                     const std::vector<ShownFrame>& frames, FrameSource& source, DebugSink& sink);
 
 }  // namespace tribotrack::vision
