@@ -123,7 +123,16 @@ Pose PatternFollower::pose_at(const Point& position, std::int64_t index) const {
   return pose;
 }
 
-void PatternFollower::accept(std::int64_t index, const Sighting& sighting) {
+/// Turns by whole ones to the nearest of what the two angles before let expect.
+double PatternFollower::unwrapped(double theta, std::int64_t index) const {
+  double expected = angles_.empty() ? 0 : angles_.back().second;
+  if (angles_.size() == 2)
+    expected += static_cast<double>(index - angles_[1].first) * (angles_[1].second - angles_[0].second) /
+                static_cast<double>(angles_[1].first - angles_[0].first);
+  return theta + 2 * std::numbers::pi * std::round((expected - theta) / (2 * std::numbers::pi));
+}
+
+void PatternFollower::accept(std::int64_t index, Sighting& sighting) {
   motion_.add(index, sighting.position);
   if (sighting.by_rim) {
     if (template_rest_ == 0)
@@ -136,6 +145,7 @@ void PatternFollower::accept(std::int64_t index, const Sighting& sighting) {
   // Slowly: the usual score of this recording, not that of the last bad frame.
   reference_ncc_ += 0.05 * (sighting.ncc - reference_ncc_);
   if (options_.rotation) {
+    sighting.pose.theta = unwrapped(sighting.pose.theta, index);
     angles_.emplace_back(index, sighting.pose.theta);
     if (angles_.size() > 2) angles_.erase(angles_.begin());
   }

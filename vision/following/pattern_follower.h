@@ -135,7 +135,8 @@ class PatternFollower {
   std::vector<Point> candidates();
   void remember_distractors(FrameSource& source);
   bool may_be_another(FrameSource& source, std::int64_t index, const Point& place);
-  void accept(std::int64_t index, const Sighting& sighting);
+  double unwrapped(double theta, std::int64_t index) const;
+  void accept(std::int64_t index, Sighting& sighting);
   Pose pose_at(const Point& position, std::int64_t index) const;
   TrackStatus missing_status(const Rect& bounds, std::int64_t index) const;
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <numbers>
 #include <span>
 
 #include "vision/io/levels.h"
@@ -156,37 +155,13 @@ std::vector<std::optional<Rotation>> follow_rotation(FrameSource& source,
 
 namespace {
 
-using std::numbers::pi;
-
-/// Each angle by whole turns nearest to what the two before let expect.
-class Unwrapped {
- public:
-  double next(std::int64_t frame, double theta) {
-    const double expected = last_ + rate_ * static_cast<double>(frame - frame_);
-    theta += 2 * pi * std::round((expected - theta) / (2 * pi));
-    if (any_) rate_ = (theta - last_) / static_cast<double>(frame - frame_);
-    any_ = true;
-    last_ = theta;
-    frame_ = frame;
-    return theta;
-  }
-
- private:
-  bool any_ = false;
-  double last_ = 0, rate_ = 0;
-  std::int64_t frame_ = 0;
-};
-
 void take_template(const FirstPassResult& first, Track& track) {
-  Unwrapped unwrapped;
   std::optional<double> origin;
   for (std::size_t k = 0; k < track.points.size(); ++k) {
-    TrackPoint& p = track.points[k];
     const PartLook& look = first.looks[k];
-    if (p.status != TrackStatus::ok || !(look.sigma_theta > 0)) continue;
-    const double theta = unwrapped.next(p.frame, look.theta);
-    if (!origin) origin = theta;
-    p.rotation = Rotation{theta - *origin, look.sigma_theta};
+    if (track.points[k].status != TrackStatus::ok || !(look.sigma_theta > 0)) continue;
+    if (!origin) origin = look.theta;
+    track.points[k].rotation = Rotation{look.theta - *origin, look.sigma_theta};
   }
   track.has_rotation = origin.has_value();
 }
