@@ -20,6 +20,22 @@ inline Rect grown(const Rect& r, int by, const Rect& bounds) {
   return common({r.x - by, r.y - by, r.width + 2 * by, r.height + 2 * by}, bounds);
 }
 
+/// The places of `region` that a window shows when they are moved by `displacement`, `border` px inside it at
+/// least; width or height <= 0 where it shows none.
+inline Rect places_shown(const Rect& region, const Rect& window, const Point& displacement, int border) {
+  const int left = static_cast<int>(std::ceil(window.x + border - displacement.x));
+  const int top = static_cast<int>(std::ceil(window.y + border - displacement.y));
+  const double right = std::floor(window.x + window.width - 1 - border - displacement.x);
+  const double bottom = std::floor(window.y + window.height - 1 - border - displacement.y);
+  return common(region, {left, top, static_cast<int>(right) + 1 - left, static_cast<int>(bottom) + 1 - top});
+}
+
+/// Sums over frames at the places of a region.
+struct PlaceSums {
+  Picture sum, squares, count;
+  explicit PlaceSums(const Rect& region) : sum(region.width, region.height), squares(sum), count(sum) {}
+};
+
 inline Rect bounds_of(const Picture& picture) {
   return {0, 0, picture.width(), picture.height()};
 }

@@ -28,26 +28,6 @@ struct Placed {
   double gain = 1, offset = 0;
 };
 
-/// Sums over frames at the ground's places.
-struct Sums {
-  Picture sum, squares, count;
-  explicit Sums(const Rect& place)
-      : sum(place.width, place.height),
-        squares(place.width, place.height),
-        count(place.width, place.height) {}
-};
-
-/// Where a frame's window covers the ground's place, on its grid.
-Rect covered(const Rect& place, const Rect& window, const Point& p) {
-  const int left = std::max(0, static_cast<int>(std::ceil(window.x + kBorder - p.x)) - place.x);
-  const int top = std::max(0, static_cast<int>(std::ceil(window.y + kBorder - p.y)) - place.y);
-  const int right = std::min(
-      place.width, static_cast<int>(std::floor(window.x + window.width - 1 - kBorder - p.x)) + 1 - place.x);
-  const int bottom = std::min(
-      place.height, static_cast<int>(std::floor(window.y + window.height - 1 - kBorder - p.y)) + 1 - place.y);
-  return {left, top, std::max(0, right - left), std::max(0, bottom - top)};
-}
-
 bool hidden_at(const std::vector<Circle>& hidden, double x, double y) {
   return std::ranges::any_of(hidden, [&](const Circle& c) {
     return (x - c.x) * (x - c.x) + (y - c.y) * (y - c.y) <= c.radius * c.radius;
@@ -55,15 +35,15 @@ bool hidden_at(const std::vector<Circle>& hidden, double x, double y) {
 }
 
 /// Deviations from `before`, where there is one: outliers from it are left out.
-void add(const Placed& placed, const Rect& place, const Ground* before, float outlier, Sums& sums) {
+void add(const Placed& placed, const Rect& place, const Ground* before, float outlier, PlaceSums& sums) {
   const Rect& window = placed.frame->window;
-  const Point& p = placed.displacement;
-  const Rect r = covered(place, window, p);
-  if (r.width == 0 || r.height == 0) return;
-  const QuinticSpline spline(placed.frame->picture);
-  std::vector<float> levels(static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height));
-  const double x0 = place.x + r.x + p.x, y0 = place.y + r.y + p.y;
-  spline.sample_window(x0 - window.x, y0 - window.y, r.width, r.height, levels.data(), nullptr, nullptr);
+  const Rect r = places_shown(place, window, placed.displacement, kBorder);
+  if (r.width <= 0 || r.height <= 0) return;
+  Picture levels(r.width, r.height);
+  const double x0 = r.x + placed.displacement.x, y0 = r.y + placed.displacement.y;
+  QuinticSpline(placed.frame->picture)
+      .sample_window(x0 - window.x, y0 - window.y, r.width, r.height, levels.levels().data(), nullptr,
+                     nullptr);
   const auto gain = static_cast<float>(1 / placed.gain), offset = static_cast<float>(placed.offset);
   for (int y = 0; y < r.height; ++y) {
     std::vector<Circle> near;  // of this row
@@ -71,11 +51,8 @@ void add(const Placed& placed, const Rect& place, const Ground* before, float ou
       if (std::abs(y0 + y - c.y) <= c.radius) near.push_back(c);
     for (int x = 0; x < r.width; ++x) {
       if (!near.empty() && hidden_at(near, x0 + x, y0 + y)) continue;
-      const int u = r.x + x, v = r.y + y;
-      const float level = (levels[static_cast<std::size_t>(y) * static_cast<std::size_t>(r.width) +
-                                  static_cast<std::size_t>(x)] -
-                           offset) *
-                          gain;
+      const int u = r.x - place.x + x, v = r.y - place.y + y;
+      const float level = (levels.at(x, y) - offset) * gain;
       const bool known = before && before->seen.at(u, v) > 0;
       const float off = known ? level - before->quiet.at(u, v) : level;
       if (known && off * off > outlier * outlier * before->variance.at(u, v)) continue;
@@ -104,7 +81,7 @@ void shrink(Picture& seen) {
 
 Ground mean_of(const std::vector<Placed>& frames, const Rect& place, const Ground* before,
                double noise_variance, float outlier = kOutlier) {
-  Sums sums(place);
+  PlaceSums sums(place);
   for (const Placed& p : frames) add(p, place, before, outlier, sums);
   const float fewest = std::max(2.0F, kKnownShare * static_cast<float>(frames.size()));
   Ground ground;
@@ -158,28 +135,30 @@ void in_mean_light(std::vector<Placed>& frames) {
 class Learning {
  public:
   Learning(const std::vector<GroundFrame>& frames, const Rect& place, double noise_variance)
-      : frames_(frames), place_(place), noise_variance_(noise_variance), fixes_(frames.size()) {
+      : frames_(frames), place_(place), noise_variance_(noise_variance) {
+    learnt_.fixes.resize(frames.size());
     for (const GroundFrame& f : frames) placed_.push_back(Placed{&f, f.start});
     const Ground all = mean_of(placed_, place_, nullptr, noise_variance_);
-    ground_ = mean_of(placed_, place_, &all, noise_variance_, kOutlierAtFirst);
+    learnt_.ground = mean_of(placed_, place_, &all, noise_variance_, kOutlierAtFirst);
   }
 
   /// How far the frames have moved against each other, sd rms.
   double round() {
-    GroundRegistration registration(ground_);
-    excess_.setZero();
+    GroundRegistration registration(learnt_.ground);
+    learnt_.excess.setZero();
     std::vector<Placed> placed;
     std::vector<Eigen::Vector2d> moves;
     std::vector<Eigen::Matrix2d> normals;
     Eigen::Vector2d common = Eigen::Vector2d::Zero();
     for (std::size_t k = 0; k < frames_.size(); ++k) {
-      const Point from = fixes_[k] ? fixes_[k]->displacement : frames_[k].start;
-      fixes_[k] = registration.refine(frames_[k], from);
-      if (!fixes_[k]) continue;
-      const Point to = fixes_[k]->displacement;
+      auto& fix = learnt_.fixes[k];
+      const Point from = fix ? fix->displacement : frames_[k].start;
+      fix = registration.refine(frames_[k], from);
+      if (!fix) continue;
+      const Point to = fix->displacement;
       const Eigen::Matrix2d root = inverse_root(registration.normal());
-      excess_ += root * registration.scatter() * root;
-      placed.push_back({&frames_[k], to, fixes_[k]->gain, fixes_[k]->offset});
+      learnt_.excess += root * registration.scatter() * root;
+      placed.push_back({&frames_[k], to, fix->gain, fix->offset});
       moves.emplace_back(to.x - from.x, to.y - from.y);
       normals.push_back(registration.normal());
       common += moves.back();
@@ -187,8 +166,8 @@ class Learning {
     placed_ = std::move(placed);
     if (moves.empty()) return 0;
     in_mean_light(placed_);
-    excess_ /= static_cast<double>(moves.size());
-    ground_ = mean_of(placed_, place_, &ground_, noise_variance_);
+    learnt_.excess /= static_cast<double>(moves.size());
+    learnt_.ground = mean_of(placed_, place_, &learnt_.ground, noise_variance_);
     common /= static_cast<double>(moves.size());  // it moves the grid
     double squares = 0;
     for (std::size_t k = 0; k < moves.size(); ++k)
@@ -201,15 +180,13 @@ class Learning {
            std::max(4.0, kLeastShare * static_cast<double>(frames_.size()));
   }
 
-  void finish(LearntGround& out) {
-    out.texture = GroundRegistration(ground_).texture();
-    out.excess = excess_;
+  LearntGround finish() {
+    learnt_.texture = GroundRegistration(learnt_.ground).texture();
     std::vector<double> scores;
-    for (const auto& fix : fixes_)
+    for (const auto& fix : learnt_.fixes)
       if (fix) scores.push_back(fix->score);
-    out.score = median(scores);
-    out.ground = std::move(ground_);
-    out.fixes = std::move(fixes_);
+    learnt_.score = median(scores);
+    return std::move(learnt_);
   }
 
  private:
@@ -217,9 +194,7 @@ class Learning {
   Rect place_;
   double noise_variance_;
   std::vector<Placed> placed_;  ///< those that could be registered
-  std::vector<std::optional<GroundFix>> fixes_;
-  Ground ground_;
-  Eigen::Matrix2d excess_ = Eigen::Matrix2d::Zero();  ///< mean of N^(-1/2) S N^(-1/2), see GroundRegistration
+  LearntGround learnt_;
 };
 
 }  // namespace
@@ -232,9 +207,7 @@ std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames,
     if (!learning.enough()) return std::nullopt;
     if (moved < kSettled) break;
   }
-  LearntGround learnt;
-  learning.finish(learnt);
-  return learnt;
+  return learning.finish();
 }
 
 }  // namespace tribotrack::vision

@@ -54,10 +54,11 @@ Picture noise_free(const Picture& picture, const Picture& known, double noise_va
 
 struct LearntGround {
   Ground ground;
-  std::vector<std::optional<GroundFix>> fixes;           ///< of the frames learnt from
-  Eigen::Matrix2d excess = Eigen::Matrix2d::Identity();  ///< see GroundRegistration
-  double texture = 0;                                    ///< grey levels rms beyond the noise
-  double score = 0;                                      ///< their median
+  std::vector<std::optional<GroundFix>> fixes;  ///< of the frames learnt from
+  Eigen::Matrix2d excess =
+      Eigen::Matrix2d::Identity();  ///< mean of N^(-1/2) S N^(-1/2), see GroundRegistration
+  double texture = 0;               ///< grey levels rms beyond the noise
+  double score = 0;                 ///< their median
 };
 
 /// From frames whose `start` is good to a texture's width. `place` of the window; `noise_variance` of a

@@ -29,31 +29,20 @@ Picture box_mean(const Picture& in) {
 
 GroundPicture::GroundPicture(const Rect& region)
     : region_(region),
-      sum_(region.width, region.height),
-      squares_(region.width, region.height),
-      count_(region.width, region.height),
-      variance_(region.width, region.height),
-      sum_beside_(region.width, region.height),
-      squares_beside_(region.width, region.height),
-      count_beside_(region.width, region.height),
-      frames_beside_(region.width, region.height) {}
+      away_(region),
+      beside_(region),
+      frames_beside_(region.width, region.height),
+      variance_(region.width, region.height) {}
 
 void GroundPicture::forget() {
-  for (Picture* p : {&sum_, &squares_, &count_}) std::ranges::fill(p->levels(), 0.0F);
+  away_ = PlaceSums(region_);
 }
 
 void GroundPicture::add(const Picture& picture, int x, int y, const Point& displacement,
                         const Circle& hidden) {
-  // Places u of the platform with u + p inside the window.
-  const int u0 = std::max(region_.x, static_cast<int>(std::ceil(x - displacement.x)));
-  const int v0 = std::max(region_.y, static_cast<int>(std::ceil(y - displacement.y)));
-  const int u1 = std::min(region_.x + region_.width - 1,
-                          static_cast<int>(std::floor(x + picture.width() - 1 - displacement.x)));
-  const int v1 = std::min(region_.y + region_.height - 1,
-                          static_cast<int>(std::floor(y + picture.height() - 1 - displacement.y)));
-  if (u1 < u0 || v1 < v0) return;
-  const int width = u1 - u0 + 1;
-  const int height = v1 - v0 + 1;
+  const Rect places = places_shown(region_, {x, y, picture.width(), picture.height()}, displacement, 0);
+  if (places.width <= 0 || places.height <= 0) return;
+  const int u0 = places.x, v0 = places.y, width = places.width, height = places.height;
   Picture moved(width, height);
   QuinticSpline(picture).sample_window(u0 + displacement.x - x, v0 + displacement.y - y, width, height,
                                        moved.levels().data(), nullptr, nullptr);
@@ -73,9 +62,9 @@ void GroundPicture::add(const Picture& picture, int x, int y, const Point& displ
       act(row, std::clamp(static_cast<int>(std::floor(middle + half)) + 1, 0, width), width, at);
     }
   };
-  float* sums = sum_.levels().data();
-  float* squares = squares_.levels().data();
-  float* counts = count_.levels().data();
+  float* sums = away_.sum.levels().data();
+  float* squares = away_.squares.levels().data();
+  float* counts = away_.count.levels().data();
   double here = 0, before = 0;
   uncovered([&](const float* row, int from, int to, std::size_t at) {
     for (int i = from; i < to; ++i)
@@ -99,17 +88,18 @@ void GroundPicture::add(const Picture& picture, int x, int y, const Point& displ
 void GroundPicture::summarise(double noise_variance) {
   std::vector<double> variances;
   double sum = 0, square = 0;
-  for (std::size_t i = 0; i < sum_.levels().size(); ++i) {
-    const double n = count_.levels()[i];
+  const std::span<const float> sums = away_.sum.levels();
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double n = away_.count.levels()[i];
     if (n < kFramesNeeded) continue;
-    const double mean = sum_.levels()[i] / n;
-    variances.push_back((squares_.levels()[i] / n - mean * mean) * n / (n - 1));
+    const double mean = sums[i] / n;
+    variances.push_back((away_.squares.levels()[i] / n - mean * mean) * n / (n - 1));
     sum += mean;
     square += mean * mean - noise_variance / n;
   }
   if (variances.empty()) return;
   const auto places = static_cast<double>(variances.size());
-  known_share_ = places / static_cast<double>(sum_.levels().size());
+  known_share_ = places / static_cast<double>(sums.size());
   mean_ = sum / places;
   texture_ = std::sqrt(std::max(0.0, square / places - mean_ * mean_));
   unrest_ = median(variances);
@@ -125,22 +115,24 @@ void GroundPicture::form(double noise_variance) {
   const auto least = static_cast<float>(noise_variance), unseen = static_cast<float>(texture_ * texture_);
   Picture level(region_.width, region_.height),
       in_time(region_.width, region_.height, static_cast<float>(std::max(noise_variance, unrest_)));
-  const auto seen = [&](std::size_t i) { return count_.levels()[i] + count_beside_.levels()[i]; };
+  const auto both = [&](Picture PlaceSums::*of, std::size_t i) {
+    return (away_.*of).levels()[i] + (beside_.*of).levels()[i];
+  };
   for (std::size_t i = 0; i < level.levels().size(); ++i) {
-    const float n = seen(i);
+    const float n = both(&PlaceSums::count, i);
     if (!(n > 0)) continue;
-    const float mean = (sum_.levels()[i] + sum_beside_.levels()[i]) / n;
-    const float square = (squares_.levels()[i] + squares_beside_.levels()[i]) / n;
+    const float mean = both(&PlaceSums::sum, i) / n, square = both(&PlaceSums::squares, i) / n;
     level.levels()[i] = mean - static_cast<float>(mean_);
     // What is seen through little of the share scatters by more, and weighs less: by the number of frames.
-    const float frames = count_.levels()[i] + frames_beside_.levels()[i];
+    const float frames = away_.count.levels()[i] + frames_beside_.levels()[i];
     if (frames >= kFramesNeeded)
       in_time.levels()[i] = std::max(least, (square - mean * mean) * n / (frames - 1));
   }
   // Before it is seen, a place is of mean level and uncertain by the texture.
   const Picture around = box_mean(in_time);
   for (std::size_t i = 0; i < level.levels().size(); ++i) {
-    const float once = std::max(around.levels()[i], in_time.levels()[i]), known = seen(i) * unseen;
+    const float once = std::max(around.levels()[i], in_time.levels()[i]),
+                known = both(&PlaceSums::count, i) * unseen;
     level.levels()[i] *= known / (known + once);
     variance_.levels()[i] = unseen * once / (known + once);
   }
@@ -184,8 +176,8 @@ void see_row(const RowBeside& row, float* sum, float* squares, float* count, flo
 void GroundPicture::see_beside(WindowSpan windows, const PartPictures& part, double hidden,
                                double noise_variance, int threads) {
   constexpr int kBand = 32;
-  for (Picture* p : {&sum_beside_, &squares_beside_, &count_beside_, &frames_beside_})
-    std::ranges::fill(p->levels(), 0.0F);
+  beside_ = PlaceSums(region_);
+  frames_beside_ = Picture(region_.width, region_.height);
   const QuinticSpline level(part.level), share(part.share);
   const auto bands = static_cast<std::size_t>((region_.height + kBand - 1) / kBand);
   parallel_for(bands, threads, [&](std::size_t band, std::size_t) {
@@ -228,8 +220,8 @@ void GroundPicture::see_beside(const KeptWindow& w, int part_half, const Quintic
              static_cast<float>(v0 + j), static_cast<float>(s.gain), static_cast<float>(s.gain * s.slope_x),
              static_cast<float>(s.gain * s.slope_y), static_cast<float>(s.ground_gain),
              static_cast<float>(mean_), static_cast<float>(hidden * hidden), places.width},
-            sum_beside_.levels().data() + at, squares_beside_.levels().data() + at,
-            count_beside_.levels().data() + at, frames_beside_.levels().data() + at);
+            beside_.sum.levels().data() + at, beside_.squares.levels().data() + at,
+            beside_.count.levels().data() + at, frames_beside_.levels().data() + at);
   }
 }
 

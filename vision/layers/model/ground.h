@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vision/kernels/bspline.h"
+#include "vision/kernels/plane.h"
 #include "vision/layers/model/state.h"
 #include "vision/picture.h"
 
@@ -50,8 +51,6 @@ class GroundPicture {
   /// it beside the part), t the texture; so t^2 where it was never seen.
   const Picture& variance() const { return variance_; }
   double mean() const { return mean_; }
-  /// Median variance of a place's level in time, grey levels^2: the noise's where the displacements are
-  /// right.
   /// Grey levels rms beyond the noise, over all places that are known.
   double texture() const { return texture_; }
 
@@ -62,8 +61,10 @@ class GroundPicture {
   void form(double noise_variance);
 
   Rect region_;
-  Picture sum_, squares_, count_, variance_;
-  Picture sum_beside_, squares_beside_, count_beside_, frames_beside_;
+  PlaceSums away_;         ///< where the part is away
+  PlaceSums beside_;       ///< beside it, weighted by how much of the ground shows
+  Picture frames_beside_;  ///< number of these
+  Picture variance_;
   double mean_ = 0, unrest_ = 0, texture_ = 0, known_share_ = 0;
   QuinticSpline spline_;
 };
