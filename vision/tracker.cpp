@@ -120,6 +120,7 @@ class Tracking {
   void follow();
   void measure_layers();
   void measure_edge();
+  bool take(PassOutcome pass, const char* from);
   void follow_rotation();
   void audit_track();
   void allow_for_coding();
@@ -140,7 +141,7 @@ class Tracking {
   std::int64_t start_ = 0;              ///< in that frame
   std::unique_ptr<FirstPass> first_pass_;
   std::optional<CodingWatch> coding_;
-  Track first_track_;                ///< of the first pass, where a lossy coder made the recording
+  Track first_track_;                ///< of the first pass
   std::vector<AuditFrame> audited_;  ///< of the pass that the positions are from
   TrackResult result_;
 };
@@ -188,38 +189,35 @@ void Tracking::measure_layers() {
   const FirstPassResult& first = first_pass_->result();
   const std::vector<ShownFrame> shown = frames_to_show(result_.track, first, options_);
   first_pass_->show(result_.track, shown);
-  Track measured = result_.track;
-  if (recording_.info().coder) first_track_ = result_.track;
-  PassOutcome layers = layered_stage(frames(), first, options_, shown, clock_, measured);
+  first_track_ = result_.track;
+  audited_ = first.audited;
   TrackSummary& summary = result_.summary;
-  add(summary.plan, layers.plan);
-  summary.layered = layers.done;
-  if (!layers.done && options_.layers == Layers::on)
+  summary.layered = take(layered_stage(frames(), first, options_, shown, clock_, result_.track), "pictures");
+  if (summary.layered) return;
+  if (options_.layers == Layers::on)
     summary.warnings.push_back("the second pass that was asked for (--layers on) is not used: " +
-                               layers.plan.front().reason);
-  if (!layers.done) {
-    audited_ = first.audited;
-    add(summary.warnings, excess_warning(first.excess, summary.noise_levels));
-    return;
-  }
-  result_.track = std::move(measured);
-  audited_ = std::move(layers.audited);
-  add(summary.warnings, layers.warnings);
-  summary.limit_px = layers.limit_px;
-  if (layers.slow_sd > 0 && layers.slow_time > 0)
-    summary.slow = {{"pictures", layers.slow_sd, layers.slow_time}};
+                               summary.plan.back().reason);
+  add(summary.warnings, excess_warning(first.excess, summary.noise_levels));
 }
 
 /// What turns in the part, or glints, spoils its pictures, not its edge.
 void Tracking::measure_edge() {
-  const PassOutcome edge = edge_stage(frames(), first_pass_->result(), options_, clock_,
-                                      predicted_error(result_.track, audited_), result_.track);
+  take(edge_stage(frames(), first_pass_->result(), options_, clock_, predicted_error(result_.track, audited_),
+                  result_.track),
+       "edge");
+}
+
+/// What a pass says that may have measured the frames again; whether it has.
+bool Tracking::take(PassOutcome pass, const char* from) {
   TrackSummary& summary = result_.summary;
-  add(summary.plan, edge.plan);
-  if (!edge.done) return;
-  audited_.clear();
-  summary.limit_px = edge.limit_px;
-  summary.slow = {{"edge", edge.slow_sd, edge.slow_time}};
+  add(summary.plan, std::move(pass.plan));
+  if (!pass.done) return false;
+  audited_ = std::move(pass.audited);
+  add(summary.warnings, std::move(pass.warnings));
+  summary.limit_px = pass.limit_px;
+  summary.slow.clear();
+  if (pass.slow_sd > 0 && pass.slow_time > 0) summary.slow = {{from, pass.slow_sd, pass.slow_time}};
+  return true;
 }
 
 /// At the final centres.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "vision/kernels/covariance.h"
 #include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
@@ -78,10 +79,7 @@ void apply(const Audit& found, Track& track, TrackSummary& summary) {
   const double slow = found.slow_sd * found.slow_sd;
   for (TrackPoint& p : track.points) {
     if (p.status != TrackStatus::ok) continue;
-    const double covariance = found.white_factor * p.rho_xy * p.sigma_x * p.sigma_y;
-    p.sigma_x = std::sqrt(found.white_factor * p.sigma_x * p.sigma_x + slow);
-    p.sigma_y = std::sqrt(found.white_factor * p.sigma_y * p.sigma_y + slow);
-    p.rho_xy = covariance / (p.sigma_x * p.sigma_y);
+    set_covariance(p, found.white_factor * covariance_of(p) + slow * Eigen::Matrix2d::Identity());
   }
   for (SlowPart& part : summary.slow) part.sd *= std::sqrt(found.white_factor);
   if (slow > 0) summary.slow.push_back({"halves", found.slow_sd, found.slow_time});

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "vision/kernels/covariance.h"
 #include "vision/millimetres.h"
 
 namespace tribotrack::vision {
@@ -98,12 +99,9 @@ Scale times(const Scale& scale, double factor) {
 }
 
 /// px^2
-Eigen::Matrix2d covariance_of(const MarkerPoint& marker) {
-  Eigen::Matrix2d c = marker.sigma * marker.sigma * Eigen::Matrix2d::Identity();
-  if (!(marker.sigma_x > 0 && marker.sigma_y > 0)) return c;
-  const double off = marker.rho_xy * marker.sigma_x * marker.sigma_y;
-  c << marker.sigma_x * marker.sigma_x, off, off, marker.sigma_y * marker.sigma_y;
-  return c;
+Eigen::Matrix2d covariance_of_mark(const MarkerPoint& marker) {
+  if (marker.sigma_x > 0 && marker.sigma_y > 0) return covariance_of(marker);
+  return marker.sigma * marker.sigma * Eigen::Matrix2d::Identity();
 }
 
 }  // namespace
@@ -145,16 +143,13 @@ std::vector<std::optional<PlacedPoint>> place_track(const Track& track, const Pl
     const TrackPoint& p = track.points[k];
     if (p.status != TrackStatus::ok || (track.has_marker && !p.marker)) continue;
     const PlanePoint part = geometry.part({p.x, p.y});
-    const double off = p.rho_xy * p.sigma_x * p.sigma_y;
-    Eigen::Matrix2d spread;
-    spread << p.sigma_x * p.sigma_x, off, off, p.sigma_y * p.sigma_y;
     PlacedPoint placed;
     placed.mm = part.mm;
-    placed.covariance = part.slope * spread * part.slope.transpose();
+    placed.covariance = part.slope * covariance_of(p) * part.slope.transpose();
     if (track.has_marker) {
       const PlanePoint marker = geometry.marker({p.marker->x, p.marker->y});
       placed.mm -= marker.mm;
-      placed.covariance += marker.slope * covariance_of(*p.marker) * marker.slope.transpose();
+      placed.covariance += marker.slope * covariance_of_mark(*p.marker) * marker.slope.transpose();
       placed.marker_mm = turn * marker.mm;
       placed.marker_sigma_mm = p.marker->sigma * std::sqrt(std::abs(marker.slope.determinant()));
     }

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "vision/coding_forecast.h"
+#include "vision/kernels/covariance.h"
 #include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
@@ -22,10 +23,7 @@ double square(double x) {
 }
 
 /// Variances, px^2, along x and y.
-struct Added {
-  double x = 0, y = 0;
-  double mean() const { return 0.5 * (x + y); }
-};
+using Added = Eigen::Array2d;
 
 double play_variance(double still, double moving, double unnoticed) {
   return 0.5 * square(kPlay * unnoticed) * (still + kMoving * moving);
@@ -37,18 +35,11 @@ double by_law(double sigma, double white) {
 }
 
 Added added_in(const CodedTrack& coded, const WatchedFrame& f, const TrackPoint& p, double white) {
-  if (coded.coder.all_intra || f.part.type == 'I') return {};
+  if (coded.coder.all_intra || f.part.type == 'I') return {0, 0};
   if (!(f.part.step > 0)) return {by_law(p.sigma_x, white), by_law(p.sigma_y, white)};
   const double zone = coded.coder.dead_zone * f.part.step;
   return {play_variance(f.part.still.x, f.part.moving.x, zone * coded.part_unnoticed.x),
           play_variance(f.part.still.y, f.part.moving.y, zone * coded.part_unnoticed.y)};
-}
-
-void widen(TrackPoint& p, const Added& add) {
-  const double covariance = p.rho_xy * p.sigma_x * p.sigma_y;
-  p.sigma_x = std::sqrt(square(p.sigma_x) + add.x);
-  p.sigma_y = std::sqrt(square(p.sigma_y) + add.y);
-  p.rho_xy = covariance / (p.sigma_x * p.sigma_y);
 }
 
 Point mean_position(const Track& track) {
@@ -199,10 +190,9 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
     if (place >= track.points.size() || track.points[place].status != TrackStatus::ok) continue;
     TrackPoint& p = track.points[place];
     Added added = added_in(coded, f, p, white);
-    added.x += square(coded.passes_differ * (p.x - middle.x));
-    added.y += square(coded.passes_differ * (p.y - middle.y));
+    added += (coded.passes_differ * Eigen::Array2d(p.x - middle.x, p.y - middle.y)).square();
     means.add(coded, f, added);
-    widen(p, added);
+    set_covariance(p, covariance_of(p) + Eigen::Matrix2d(added.matrix().asDiagonal()));
   }
   CodedErrors found = means.errors();
   found.coder = coded.coder.name;

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "vision/edge/scores.h"
+#include "vision/kernels/covariance.h"
 #include "vision/kernels/median.h"
 #include "vision/kernels/parallel.h"
 
@@ -244,10 +245,6 @@ bool turns(const FirstPassResult& first, const Track& track) {
   return total - white > std::pow(kTurnVisible / first.disc.radius, 2);
 }
 
-double variance(const TrackPoint& p) {
-  return 0.5 * (p.sigma_x * p.sigma_x + p.sigma_y * p.sigma_y);
-}
-
 /// Of a coordinate, px^2.
 struct Variances {
   double of_edge = 0;  ///< as its sectors tell it
@@ -323,10 +320,8 @@ PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
     TrackPoint& p = track.points[place];
     p.x = fix.centre.x;
     p.y = fix.centre.y;
-    p.sigma_x = std::sqrt(fix.covariance(0, 0));
-    p.sigma_y = std::sqrt(fix.covariance(1, 1));
-    p.rho_xy = fix.covariance(0, 1) / (p.sigma_x * p.sigma_y);
-    sds.push_back(std::sqrt(variance(p)));
+    set_covariance(p, fix.covariance);
+    sds.push_back(std::sqrt(0.5 * fix.covariance.trace()));
   }
   out.limit_px = median(sds);
   out.slow_sd = edge.slow_sd;

@@ -10,6 +10,7 @@
 
 #include "vision/discs/disc_detection.h"
 #include "vision/io/levels.h"
+#include "vision/kernels/covariance.h"
 #include "vision/kernels/median.h"
 #include "vision/layers/measuring.h"
 
@@ -77,9 +78,7 @@ std::optional<PlanStage> reason_against(const FirstPassResult& first, const Trac
 void change(TrackPoint& point, const LayeredFix& fix) {
   point.x = fix.state.centre.x;
   point.y = fix.state.centre.y;
-  point.sigma_x = std::sqrt(fix.covariance(0, 0));
-  point.sigma_y = std::sqrt(fix.covariance(1, 1));
-  point.rho_xy = fix.covariance(0, 1) / (point.sigma_x * point.sigma_y);
+  set_covariance(point, fix.covariance);
   point.ncc = fix.ncc;
 }
 

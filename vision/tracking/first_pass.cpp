@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vision/kernels/covariance.h"
 #include "vision/kernels/median.h"
 #include "vision/tracking/notes.h"
 
@@ -23,9 +24,7 @@ void fill(TrackPoint& point, PartLook& look, const Sighting& s) {
   point.x = s.position.x;
   point.y = s.position.y;
   point.ncc = s.ncc;
-  point.sigma_x = std::sqrt(s.covariance(0, 0));
-  point.sigma_y = std::sqrt(s.covariance(1, 1));
-  point.rho_xy = s.covariance(0, 1) / (point.sigma_x * point.sigma_y);
+  set_covariance(point, s.covariance);
   look = {s.pose.theta, s.sigma_theta, s.residual_rms, s.by_rim};
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "vision/kernels/covariance.h"
 #include "vision/platform_motion/motion.h"
 #include "vision/tags/tags.h"
 #include "vision/tracking/notes.h"
@@ -73,9 +74,7 @@ std::vector<Point> path_of(const Track& track, const Point& unseen) {
 MarkerPoint marker_point(const GroundFix& fix, const Point& middle) {
   MarkerPoint point{middle.x + fix.displacement.x, middle.y + fix.displacement.y,
                     std::sqrt(0.5 * fix.covariance.trace()), fix.score};
-  point.sigma_x = std::sqrt(fix.covariance(0, 0));
-  point.sigma_y = std::sqrt(fix.covariance(1, 1));
-  point.rho_xy = fix.covariance(0, 1) / (point.sigma_x * point.sigma_y);
+  set_covariance(point, fix.covariance);
   return point;
 }
 
