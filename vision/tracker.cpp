@@ -210,10 +210,10 @@ void Tracking::measure_edge() {
 /// What a pass says that may have measured the frames again; whether it has.
 bool Tracking::take(PassOutcome pass, const char* from) {
   TrackSummary& summary = result_.summary;
-  add(summary.plan, std::move(pass.plan));
+  add(summary.plan, pass.plan);
   if (!pass.done) return false;
   audited_ = std::move(pass.audited);
-  add(summary.warnings, std::move(pass.warnings));
+  add(summary.warnings, pass.warnings);
   summary.limit_px = pass.limit_px;
   summary.slow.clear();
   if (pass.slow_sd > 0 && pass.slow_time > 0) summary.slow = {{from, pass.slow_sd, pass.slow_time}};

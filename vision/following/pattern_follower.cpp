@@ -34,16 +34,6 @@ PatternFollower::PatternFollower(const Picture& first, std::int64_t index, const
       distractors_(std::max(6.0, pattern.reach())) {
   search_reference_ = matcher_.score(first, pattern.window.x, pattern.window.y);
   motion_.add(index, pattern.centre);
-  double sum = 0, squares = 0;
-  for (int y = 0; y < pattern.window.height; ++y)
-    for (int x = 0; x < pattern.window.width; ++x) {
-      if (!(pattern.weights.at(x, y) > 0)) continue;
-      const double level = first.at(pattern.window.x + x, pattern.window.y + y);
-      sum += level;
-      squares += level * level;
-      ++area_;
-    }
-  contrast_ = std::sqrt(std::max(0.0, squares / area_ - sum * sum / (area_ * area_)));
 }
 
 FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool audited) {
@@ -314,11 +304,11 @@ std::optional<Sighting> PatternFollower::found_again(const Rect& bounds, std::in
 /// of that has changed since the last search that found nothing. `picture_` is the whole frame.
 bool PatternFollower::may_be_back() const {
   if (fruitless_.empty()) return true;
-  const auto step = static_cast<float>(kChangedContrast * contrast_);
+  const auto step = static_cast<float>(kChangedContrast * registration_.contrast());
   double changed = 0;
   for (std::size_t k = 0; k < fruitless_.levels().size(); ++k)
     changed += std::abs(picture_.levels()[k] - fruitless_.levels()[k]) > step;
-  return changed > kChangedArea * area_;
+  return changed > kChangedArea * registration_.area();
 }
 
 std::optional<Sighting> PatternFollower::search(FrameSource& source, std::int64_t index) {

@@ -160,9 +160,8 @@ class PatternFollower {
   Distractors distractors_;
   bool distractors_known_ = false;  ///< those of the last frame in which the part was seen
   FollowEffort effort_;
-  double area_ = 0, contrast_ = 0;  ///< of the template's mask, px; standard deviation of its levels
-  Picture fruitless_;               ///< the last frame in which a search of it all found nothing
-  Picture picture_;                 ///< work space
+  Picture fruitless_;  ///< the last frame in which a search of it all found nothing
+  Picture picture_;    ///< work space
 };
 
 // A quieter template: the first frames laid on each other.
@@ -180,9 +179,12 @@ struct AveragedTemplate {
 };
 
 /// Follows the pattern through the frames after `index` (up to `last`) with the single template and averages
-/// what it finds. The part must not turn. One frame alone where fewer than four match.
-AveragedTemplate average_template(FrameSource& source, const Picture& first, std::int64_t index,
-                                  std::int64_t last, const Pattern& pattern, const FollowOptions& follow);
+/// what it finds, where the single one's noise, which adds `noise_cost` to the variance, matters. Tells
+/// `follow` how much of it is left. The part must not turn. One frame alone where fewer than four match.
+AveragedTemplate quiet_template(FrameSource& source, const Picture& first, std::int64_t index,
+                                std::int64_t last, const Pattern& pattern, double noise_cost,
+                                FollowOptions& follow);
+inline constexpr double kQuietTemplate = 0.002;  ///< relative variance below which averaging does not pay
 
 // Check of the part's texture: does what looks like one in the first frame belong to the part?
 //

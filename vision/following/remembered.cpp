@@ -125,9 +125,11 @@ bool add_aligned(FrameSource& source, const Seen& seen, const Rect& area, Pictur
 
 }  // namespace
 
-AveragedTemplate average_template(FrameSource& source, const Picture& first, std::int64_t index,
-                                  std::int64_t last, const Pattern& pattern, const FollowOptions& follow) {
+AveragedTemplate quiet_template(FrameSource& source, const Picture& first, std::int64_t index,
+                                std::int64_t last, const Pattern& pattern, double noise_cost,
+                                FollowOptions& follow) {
   AveragedTemplate out;
+  if (noise_cost < kQuietTemplate) return out;
   const auto seen = follow_some(source, first, index, last, pattern, follow);
   if (seen.size() < 3) return out;
   const Rect area = grown(pattern.window, kSurroundings, bounds_of(first));
@@ -140,6 +142,7 @@ AveragedTemplate average_template(FrameSource& source, const Picture& first, std
   for (int y = 0; y < area.height; ++y)
     for (int x = 0; x < area.width; ++x)
       out.averaged.at(area.x + x, area.y + y) = sums.at(x, y) / static_cast<float>(out.frames);
+  follow.template_noise_share = 1.0 / out.frames;
   return out;
 }
 

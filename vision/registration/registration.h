@@ -79,6 +79,8 @@ class TemplateRegistration {
   /// Same for the rotation alone, see pattern.h.
   double limit_theta() const { return limit_theta_; }
   const Pattern& pattern() const { return pattern_; }
+  double contrast() const { return contrast_; }
+  double area() const { return area_; }
   /// What the template's own noise adds to the variance of the position, relative to the bound.
   double template_noise_cost() const { return template_noise_cost_; }
 
@@ -101,11 +103,11 @@ class TemplateRegistration {
 
   RegistrationOptions options_;
   Pattern pattern_;
-  Picture levels_;  ///< of the window
   QuinticSpline spline_;
   int spline_x_ = 0, spline_y_ = 0;  ///< first pixel of the spline in the first frame
   float pivot_ = 0;                  ///< mean level of the template
   double contrast_ = 0;              ///< its standard deviation
+  double area_ = 0;                  ///< pixels of the mask
   double pixels_ = 0;                ///< number of pixels that take part
   double template_noise_cost_ = 0;
   Eigen::Matrix2d limit_ = Eigen::Matrix2d::Zero();

@@ -24,24 +24,22 @@ TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& 
   spline_ = QuinticSpline(part_of(first, context));
   spline_x_ = context.x;
   spline_y_ = context.y;
-  levels_ = part_of(first, w);
+  const Picture levels = part_of(first, w);
   double sum = 0;
   double squares = 0;
   for (int y = 0; y < w.height; ++y)
     for (int x = 0; x < w.width; ++x) {
-      const float level = levels_.at(x, y);
-      if (pattern.weights.at(x, y) > 0) {
-        ++pixels_;
-        sum += level;
-        squares += static_cast<double>(level) * level;
-      }
+      if (!(pattern.weights.at(x, y) > 0)) continue;
+      ++area_;
+      sum += levels.at(x, y);
+      squares += static_cast<double>(levels.at(x, y)) * levels.at(x, y);
     }
-  pivot_ = static_cast<float>(sum / pixels_);
-  contrast_ = std::sqrt(std::max(0.0, squares / pixels_ - (sum / pixels_) * (sum / pixels_)));
+  pivot_ = static_cast<float>(sum / area_);
+  contrast_ = std::sqrt(std::max(0.0, squares / area_ - (sum / area_) * (sum / area_)));
   choose_pixels();
   const bool rotation = options_.rotation;
   options_.rotation = false;
-  take_picture(levels_, w.x, w.y, 0, 0);
+  take_picture(levels, w.x, w.y, 0, 0);
   sample_template({}, true);
   const Matrix normal = normal_matrix(), honest = debiased(normal, {});
   limit_ = options_.noise_variance * inverse_of(honest).topLeftCorner<2, 2>();

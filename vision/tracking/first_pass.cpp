@@ -166,13 +166,7 @@ void FirstPass::follow_ground(TrackSummary& summary) {
   } else if (!wants_ground(options_, track_.has_marker)) {
     return;
   }
-  const GroundMarker marker =
-      follow_platform(source_, range_.first, options_, setup_.result.noise_variance, setup_.pattern, track_);
-  summary.ground_is_marker = marker.followed;
-  summary.plan.push_back(marker.stage);
-  if (marker.lost > 0)
-    summary.warnings.push_back(
-        fmt::format("the platform's texture was not found again in {} frames", marker.lost));
+  follow_platform(source_, setup_.result, options_, setup_.pattern, track_, summary);
 }
 
 Track FirstPass::finish(TrackSummary& summary) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "vision/kernels/plane.h"
 #include "vision/track.h"
@@ -105,18 +104,6 @@ std::optional<std::string> without_a_mark(Track& track, std::size_t begin) {
       "the part had left the picture; what looks like it at ({:.1f}, {:.1f}) px in frames {} to {} does not "
       "move: it is taken for a mark on the ground",
       start.x, start.y, start.frame, points[end - 1].frame);
-}
-
-void add(std::vector<PlanStage>& plan, std::vector<PlanStage> stages) {
-  std::ranges::move(stages, std::back_inserter(plan));
-}
-
-void add(std::vector<std::string>& warnings, std::vector<std::string> more) {
-  std::ranges::move(more, std::back_inserter(warnings));
-}
-
-void add(std::vector<std::string>& warnings, std::optional<std::string> warning) {
-  if (warning) warnings.push_back(std::move(*warning));
 }
 
 std::string TrackSummary::brief_report() const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "vision/tracker.h"
@@ -25,9 +26,14 @@ std::optional<std::string> carried_warning(const Track& track, const Circle& dis
 /// must move, or else it is a mark on the ground: then those points become lost, and it is said.
 std::optional<std::string> without_a_mark(Track& track, std::size_t begin);
 
-/// Appends.
-void add(std::vector<PlanStage>& plan, std::vector<PlanStage> stages);
-void add(std::vector<std::string>& warnings, std::vector<std::string> more);
-void add(std::vector<std::string>& warnings, std::optional<std::string> warning);
+/// Appends all of them, or the one that there may be.
+template <class Item, class Items>
+void add(std::vector<Item>& to, const Items& items) {
+  if constexpr (std::is_same_v<Items, std::optional<Item>>) {
+    if (items) to.push_back(*items);
+  } else {
+    to.insert(to.end(), items.begin(), items.end());
+  }
+}
 
 }  // namespace tribotrack::vision

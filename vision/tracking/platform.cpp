@@ -86,11 +86,9 @@ PatternFollower marker_follower(const Picture& first, FrameSource& source, const
   follow.noise_variance = noise_variance;
   follow.search_whole_frame = false;
   const Pattern pattern = disc_pattern(first, circle);
-  AveragedTemplate average;
-  if (TemplateRegistration(first, pattern, follow).template_noise_cost() > kQuietTemplate) {
-    average = average_template(source, first, range.first, range.last, pattern, follow);
-    follow.template_noise_share = 1.0 / average.frames;
-  }
+  const double noise_cost = TemplateRegistration(first, pattern, follow).template_noise_cost();
+  const AveragedTemplate average =
+      quiet_template(source, first, range.first, range.last, pattern, noise_cost, follow);
   return {average.picture(first), range.first, pattern, follow};
 }
 
@@ -152,32 +150,34 @@ std::vector<Circle> over_ground(const Point& part, const Pattern& pattern, const
   return over;
 }
 
-GroundMarker follow_platform(FrameSource& source, std::int64_t first_index, const TrackOptions& options,
-                             double noise_variance, const Pattern& part, Track& track) {
+void follow_platform(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
+                     const Pattern& part, Track& track, TrackSummary& summary) {
   const std::vector<Point> path = path_of(track, part.centre);
   GroundMotionOptions ground;
-  ground.noise_variance = noise_variance;
+  ground.noise_variance = first.noise_variance;
   ground.hidden = [&](std::int64_t index) {
-    return over_ground(path[static_cast<std::size_t>(index - first_index)], part, options);
+    return over_ground(path[static_cast<std::size_t>(index - first.first_index)], part, options);
   };
-  const auto last = first_index + static_cast<std::int64_t>(track.points.size()) - 1;
-  const GroundMotion motion = follow_ground(source, first_index, last, ground);
-  if (!motion.verdict.visible && asks_ground(options))
-    return {false, ground_marker_stage(motion.verdict.reason, 0)};
-  if (!motion.verdict.visible)
+  const GroundMotion motion =
+      follow_ground(source, first.first_index, first.first_index + first.total - 1, ground);
+  const GroundVerdict& verdict = motion.verdict;
+  if (!verdict.visible && !asks_ground(options))
     throw InputError(
         source.info().path.string() + ": " +
         (options.marker.kind == MarkerChoice::Kind::find ? "no round marker was found, and " : "") +
-        motion.verdict.reason + "; give a marker with --marker X,Y,R or leave it out with --marker none");
-  GroundMarker marker{true, ground_marker_stage(motion.verdict.reason, motion.learnt_from)};
+        verdict.reason + "; give a marker with --marker X,Y,R or leave it out with --marker none");
+  summary.plan.push_back(ground_marker_stage(verdict.reason, verdict.visible ? motion.learnt_from : 0));
+  if (!verdict.visible) return;
   const Point middle{0.5 * (source.info().width - 1), 0.5 * (source.info().height - 1)};
+  std::int64_t lost = 0;
   for (std::size_t k = 0; k < track.points.size(); ++k)
     if (motion.frames[k])
       track.points[k].marker = marker_point(*motion.frames[k], middle);
     else
-      ++marker.lost;
-  track.has_marker = true;
-  return marker;
+      ++lost;
+  track.has_marker = summary.ground_is_marker = true;
+  if (lost > 0)
+    summary.warnings.push_back(fmt::format("the platform's texture was not found again in {} frames", lost));
 }
 
 }  // namespace tribotrack::vision

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vision/following/pattern_follower.h"
+#include "vision/stages/first_pass_result.h"
 #include "vision/tracking/target.h"
 
 namespace tribotrack::vision {
@@ -32,15 +33,10 @@ bool asks_ground(const TrackOptions& options);
 /// What lies over the ground: the part there with its shadow, the lamp.
 std::vector<Circle> over_ground(const Point& part, const Pattern& pattern, const TrackOptions& options);
 
-struct GroundMarker {
-  bool followed = false;
-  PlanStage stage;
-  std::int64_t lost = 0;  ///< frames in which the ground was not found again
-};
-
 /// Follows all of the ground that is seen, in a pass of its own: the part's whole path must be known. Fills
-/// in the track's markers. Where the ground shows too little: throws InputError if it was asked for.
-GroundMarker follow_platform(FrameSource& source, std::int64_t first_index, const TrackOptions& options,
-                             double noise_variance, const Pattern& part, Track& track);
+/// in the track's markers, and says so in the summary. Where the ground shows too little: throws InputError
+/// if it was asked for.
+void follow_platform(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
+                     const Pattern& part, Track& track, TrackSummary& summary);
 
 }  // namespace tribotrack::vision

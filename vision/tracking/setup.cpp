@@ -17,6 +17,7 @@
 namespace tribotrack::vision {
 namespace {
 
+constexpr double kClickSd = 0.5;         ///< px: sd of a radius that no rim confirms
 constexpr double kRotationLimit = 0.05;  ///< rad: rotation that is known less well is not estimated
 constexpr double kClear = 4;             ///< px beside the rim, at least, that the disc's blur reaches
 constexpr double kTextureFactor = 2;  ///< platform texture above this multiple of the noise narrows the mask
@@ -115,34 +116,23 @@ void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const 
   setup.plan.push_back(rotation_stage(setup.follow.rotation, visible, trial.limit_theta()));
 }
 
-/// A single template's noise adds `noise_cost` to the variance, relative, and `adds_px` to the standard
-/// deviation. `agreeing` frames: nothing where averaging was not tried.
-PlanStage template_stage(bool may_turn, double noise_cost, std::optional<int> agreeing, double adds_px) {
+/// The template is averaged over the first frames where its noise matters: a single one's adds `noise_cost`
+/// to the variance, relative.
+void average_template(PartSetup& setup, double noise_cost, const Picture& first, FrameSource& source,
+                      const FrameRange& range) {
   PlanStage stage{.name = "template averaged over the first frames",
-                  .on = agreeing.value_or(1) > 1,
-                  .reason = {},
-                  .error_bound_px = adds_px};
-  if (may_turn) {
-    stage.reason = "the part may turn: frames cannot be averaged";
-    return stage;
+                  .reason = "the part may turn: frames cannot be averaged",
+                  .error_bound_px = setup.result.limit_px * (std::sqrt(1 + noise_cost) - 1)};
+  if (!setup.follow.rotation) {
+    setup.average =
+        quiet_template(source, first, range.first, range.last, setup.pattern, noise_cost, setup.follow);
+    stage.on = setup.average.frames > 1;
+    stage.reason =
+        fmt::format("the noise of a single template adds {:.2g} % to the variance", 100 * noise_cost);
+    if (!(noise_cost < kQuietTemplate))
+      stage.reason += fmt::format("; {} frames agree", setup.average.frames);
   }
-  stage.reason =
-      fmt::format("the noise of a single template adds {:.2g} % to the variance", 100 * noise_cost);
-  if (agreeing) stage.reason += fmt::format("; {} frames agree", *agreeing);
-  return stage;
-}
-
-/// The template is averaged over the first frames where its noise matters.
-void quiet_template(PartSetup& setup, double noise_cost, const Picture& first, FrameSource& source,
-                    const FrameRange& range) {
-  std::optional<int> agreeing;
-  if (!setup.follow.rotation && !(noise_cost < kQuietTemplate)) {
-    setup.average = average_template(source, first, range.first, range.last, setup.pattern, setup.follow);
-    agreeing = setup.average.frames;
-    setup.follow.template_noise_share = 1.0 / setup.average.frames;
-  }
-  setup.plan.push_back(template_stage(setup.follow.rotation, noise_cost, agreeing,
-                                      setup.result.limit_px * (std::sqrt(1 + noise_cost) - 1)));
+  setup.plan.push_back(std::move(stage));
 }
 
 /// What the first pass and those after it go by. A disc given without a rim that confirms it still has one to
@@ -179,7 +169,7 @@ PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRang
   const TemplateRegistration trial(first, setup.pattern, setup.follow);
   setup.result.limit_px = std::sqrt(0.5 * trial.limit().trace());
   decide_rotation(setup, trial, first, source, range);
-  quiet_template(setup, trial.template_noise_cost(), first, source, range);
+  average_template(setup, trial.template_noise_cost(), first, source, range);
   look_at_rim(setup, first);
   return setup;
 }

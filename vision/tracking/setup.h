@@ -23,9 +23,6 @@ struct Camera {
 /// From the first frames.
 Camera check_camera(FrameSource& source, const FrameRange& range);
 
-inline constexpr double kClickSd = 0.5;          ///< sd of a radius that no rim confirms, px
-inline constexpr double kQuietTemplate = 0.002;  ///< relative variance below which averaging does not pay
-
 struct PartSetup {
   FirstPassResult result;         ///< as far as the first frames tell; the disc has radius 0 for a rectangle
   std::optional<DiscFit> rim;     ///< of the disc in the first frame, where it is seen
