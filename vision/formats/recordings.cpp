@@ -1,4 +1,6 @@
 // Recordings opened and created by their names, and pictures in memory as recordings.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -123,9 +125,8 @@ Codec codec_by_name(const std::filesystem::path& path) {
 
 void require_size(const SinkOptions& options, int width, int height) {
   if (width != options.width || height != options.height)
-    throw std::invalid_argument("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-                                " pixels for a recording of " + std::to_string(options.width) + " x " +
-                                std::to_string(options.height));
+    throw std::invalid_argument(fmt::format("a picture of {} x {} pixels for a recording of {} x {}", width,
+                                            height, options.width, options.height));
 }
 
 void FrameSink::write_rgb(int, int, const unsigned char*) {
@@ -166,22 +167,34 @@ std::string libraries() {
          ", libavformat " AV_STRINGIFY(LIBAVFORMAT_VERSION) ", libavcodec " AV_STRINGIFY(LIBAVCODEC_VERSION);
 }
 
+namespace {
+
+SourceInfo in_memory(const char* what, int width, int height, int bits, std::int64_t frames,
+                     double frame_rate_hz) {
+  if (!(frame_rate_hz > 0)) throw std::invalid_argument("the frame rate must be above 0 Hz");
+  SourceInfo info;
+  info.path = what;
+  info.format = "memory";
+  info.codec = "uncompressed";
+  info.width = width;
+  info.height = height;
+  info.bits = bits;
+  info.frame_count = frames;
+  info.time_base = choose_time_base({user_rate(frame_rate_hz)});
+  return info;
+}
+
+}  // namespace
+
 MemorySource::MemorySource(std::vector<Picture> frames, double frame_rate_hz, int bits)
     : frames_(std::move(frames)) {
   if (frames_.empty()) throw std::invalid_argument("a recording in memory needs at least one picture");
-  if (!(frame_rate_hz > 0)) throw std::invalid_argument("the frame rate must be above 0 Hz");
   const Picture& first = frames_.front();
   for (const Picture& frame : frames_)
     if (frame.width() != first.width() || frame.height() != first.height())
       throw std::invalid_argument("the pictures of a recording must have one size");
-  info_.path = "pictures in memory";
-  info_.format = "memory";
-  info_.codec = "uncompressed";
-  info_.width = first.width();
-  info_.height = first.height();
-  info_.bits = bits;
-  info_.frame_count = static_cast<std::int64_t>(frames_.size());
-  info_.time_base = choose_time_base({user_rate(frame_rate_hz)});
+  info_ = in_memory("pictures in memory", first.width(), first.height(), bits, std::ssize(frames_),
+                    frame_rate_hz);
 }
 
 void MemorySource::read(std::int64_t index, const Rect& window, Picture& picture) {
@@ -195,18 +208,10 @@ StackSource::StackSource(const FrameStack& stack, double frame_rate_hz, int bits
   if (stack.bytes_per_level != 1 && stack.bytes_per_level != 2)
     throw std::invalid_argument("grey levels in memory must have 1 or 2 bytes");
   if (bits < 1 || bits > 8 * stack.bytes_per_level)
-    throw std::invalid_argument("levels of " + std::to_string(stack.bytes_per_level) + " bytes have 1 to " +
-                                std::to_string(8 * stack.bytes_per_level) + " bits, not " +
-                                std::to_string(bits));
-  if (!(frame_rate_hz > 0)) throw std::invalid_argument("the frame rate must be above 0 Hz");
-  info_.path = "frames in memory";
-  info_.format = "memory";
-  info_.codec = "uncompressed " + std::to_string(bits) + " bit";
-  info_.width = stack.width;
-  info_.height = stack.height;
-  info_.bits = bits;
-  info_.frame_count = stack.frames;
-  info_.time_base = choose_time_base({user_rate(frame_rate_hz)});
+    throw std::invalid_argument(fmt::format("levels of {} bytes have 1 to {} bits, not {}",
+                                            stack.bytes_per_level, 8 * stack.bytes_per_level, bits));
+  info_ = in_memory("frames in memory", stack.width, stack.height, bits, stack.frames, frame_rate_hz);
+  info_.codec += fmt::format(" {} bit", bits);
 }
 
 void StackSource::read(std::int64_t index, const Rect& window, Picture& picture) {

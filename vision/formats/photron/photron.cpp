@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "vision/formats/cine/p10.h"
+#include "vision/formats/pictures/pictures.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
 #include "vision/timing/clock.h"
@@ -130,11 +131,8 @@ std::optional<fs::path> photron_sidecar_of_pictures(const fs::path& first) {
   std::string stem = first.stem().string();
   while (!stem.empty() && stem.back() >= '0' && stem.back() <= '9') stem.pop_back();
   if (const auto named = photron_sidecar(first.parent_path() / (stem + ".tif"))) return named;
-  std::vector<fs::path> found;
-  std::error_code error;
-  const fs::path folder = first.parent_path().empty() ? fs::path(".") : first.parent_path();
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (is_sidecar(entry->path())) found.push_back(entry->path());
+  std::vector<fs::path> found = entries(first.parent_path());
+  std::erase_if(found, [](const fs::path& file) { return !is_sidecar(file); });
   return found.size() == 1 ? std::optional(found.front()) : std::nullopt;
 }
 

@@ -33,17 +33,6 @@ std::optional<std::int64_t> to_number(std::string_view digits) {
   return number;
 }
 
-/// The files of a folder but the hidden ones.
-std::vector<fs::path> entries(const fs::path& folder) {
-  const fs::path here = folder.empty() ? fs::path(".") : folder;
-  std::error_code error;
-  std::vector<fs::path> files;
-  for (fs::directory_iterator entry(here, error), end; !error && entry != end; entry.increment(error))
-    if (entry->path().filename().string().front() != '.') files.push_back(entry->path());
-  if (error) throw InputError("the folder '" + here.string() + "' cannot be read: " + error.message());
-  return files;
-}
-
 /// The last run of digits in a name's stem, which numbers the frames: text before, number, text after.
 struct NumberedName {
   std::string before, after;
@@ -62,6 +51,16 @@ std::optional<NumberedName> numbered(const fs::path& file) {
 }
 
 }  // namespace
+
+std::vector<fs::path> entries(const fs::path& folder) {
+  const fs::path here = folder.empty() ? fs::path(".") : folder;
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (fs::directory_iterator entry(here, error), end; !error && entry != end; entry.increment(error))
+    if (entry->path().filename().string().front() != '.') files.push_back(entry->path());
+  if (error) throw InputError("the folder '" + here.string() + "' cannot be read: " + error.message());
+  return files;
+}
 
 bool has_tiff_extension(const fs::path& path) {
   const std::string extension = lower_extension(path);

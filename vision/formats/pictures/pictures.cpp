@@ -197,14 +197,10 @@ class PictureSink : public FrameSink {
   fs::path name_of(std::int64_t number) const { return pattern_ ? pattern_->file(number) : path_; }
 
   void remove_leftovers() const {
-    const fs::path folder = pattern_->folder().empty() ? fs::path(".") : pattern_->folder();
-    std::vector<fs::path> leftovers;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-      const auto number = pattern_->number_of(entry.path().filename().string());
-      if (number && *number >= count_) leftovers.push_back(entry.path());
-    }
     std::error_code ignored;
-    for (const fs::path& file : leftovers) fs::remove(file, ignored);
+    for (const fs::path& file : entries(pattern_->folder()))
+      if (const auto number = pattern_->number_of(file.filename().string()); number && *number >= count_)
+        fs::remove(file, ignored);
   }
 
   fs::path path_;

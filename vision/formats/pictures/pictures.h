@@ -15,6 +15,9 @@ namespace tribotrack::vision {
 
 // Which picture files make up a recording, and in which order.
 
+/// The files of a folder but the hidden ones. Throws InputError.
+std::vector<std::filesystem::path> entries(const std::filesystem::path& folder);
+
 /// png, tif, tiff, bmp, jpg, jpeg or pgm, in upper or lower case.
 bool has_picture_extension(const std::filesystem::path& path);
 bool has_tiff_extension(const std::filesystem::path& path);
