@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "vision/kernels/covariance.h"
+#include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
 
 namespace tribotrack::vision {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "vision/kernels/covariance.h"
+#include "vision/kernels/dense.h"
 #include "vision/millimetres.h"
 
 namespace tribotrack::vision {

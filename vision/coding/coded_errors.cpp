@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "vision/coding_forecast.h"
-#include "vision/kernels/covariance.h"
+#include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
 
 namespace tribotrack::vision {

@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "vision/edge/scores.h"
-#include "vision/kernels/covariance.h"
+#include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
 #include "vision/kernels/parallel.h"
 

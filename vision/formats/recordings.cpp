@@ -14,7 +14,6 @@
 
 #include "vision/formats/cine/source.h"
 #include "vision/formats/libav/libav.h"
-#include "vision/formats/libav/source.h"
 #include "vision/formats/photron/photron.h"
 #include "vision/formats/pictures/pictures.h"
 #include "vision/frame_sink.h"

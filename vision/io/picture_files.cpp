@@ -108,12 +108,7 @@ class TiffFile {
   bool big_endian_ = false, large_ = false;
 };
 
-}  // namespace
-
-std::int64_t count_tiff_pages(const std::filesystem::path& path) {
-  return TiffFile(path).for_pages([](std::uint64_t, std::uint64_t) {});
-}
-
+/// Throws InputError where a page, or the tiles it is made of, are larger than vision/io/files.h allows.
 void require_sensible_pages(const std::filesystem::path& path) {
   constexpr std::uint64_t kMostBytes = std::uint64_t{256} << 20, kDensest = 2048,
                           kMost = 64;  // as require_sensible_size(); bits, samples
@@ -138,8 +133,6 @@ void require_sensible_pages(const std::filesystem::path& path) {
              std::max(bytes, all) >> 20, kMostBytes >> 20, kDensest);
   });
 }
-
-namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
@@ -204,6 +197,10 @@ std::optional<Size> pgm_size(Bytes bytes) {
 }
 
 }  // namespace
+
+std::int64_t count_tiff_pages(const std::filesystem::path& path) {
+  return TiffFile(path).for_pages([](std::uint64_t, std::uint64_t) {});
+}
 
 void require_decodable_picture(const std::filesystem::path& path) {
   const MappedFile file(path);

@@ -22,10 +22,6 @@ void require_decodable_picture(const std::filesystem::path& file);
 /// what came before for the whole file; here it is an InputError, as is a file that is no TIFF.
 std::int64_t count_tiff_pages(const std::filesystem::path& path);
 
-/// Throws InputError where a page, or the tiles it is made of, are larger than vision/io/files.h
-/// allows.
-void require_sensible_pages(const std::filesystem::path& path);
-
 // Reading and writing picture files by OpenCV. All throw InputError where its library is not installed.
 
 /// As stored, whatever the depth; empty where it cannot be decoded.

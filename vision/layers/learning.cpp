@@ -259,8 +259,7 @@ std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frame
   return chosen;
 }
 
-}  // namespace
-
+/// Places of the platform, in its frame, that are seen about the part's path.
 Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& bounds) {
   double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9, away = 0;
   for (const FirstPassFrame& f : frames) {
@@ -277,6 +276,8 @@ Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& 
   const double margin = reach + 2 * away + 4;
   return touched_pixels(x0 - margin, y0 - margin, x1 + margin, y1 + margin, places);
 }
+
+}  // namespace
 
 LearningFrames::LearningFrames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
                                const FirstPassResult& first, double reach, double hidden)

@@ -75,9 +75,6 @@ void show_layered_frame(const PartPictures& part, const GroundPicture& ground, c
 
 // The windows the layers are learnt from, and the platform's picture from the same frames.
 
-/// Places of the platform, in its frame, that are seen about the part's path.
-Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& bounds);
-
 /// Frames spread over the recording, as many as memory has room for.
 class LearningFrames {
  public:

@@ -10,7 +10,7 @@
 
 #include "vision/discs/disc_detection.h"
 #include "vision/io/levels.h"
-#include "vision/kernels/covariance.h"
+#include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
 #include "vision/layers/measuring.h"
 
@@ -25,6 +25,11 @@ constexpr int kTaper = 4;             ///< px of the grid in which ground is tak
 constexpr double kFewestKnown = 0.2;  ///< share of the ground that must be seen beside the part's grid
 constexpr double kClear = 6;          ///< blurs beside the rim
 constexpr double kExplained = 0.1;    ///< of the noise: what may be left where a template explains the part
+
+/// Px about the part's centre that are looked at in every frame.
+double layered_reach(double radius, double blur) {
+  return layered_half(radius, blur) + kContext;
+}
 
 std::string finding(const FirstPassResult& first) {
   return fmt::format(
@@ -267,10 +272,6 @@ int layered_half(double radius, double blur) {
   // The rim's blur, and a shadow: of a part a quarter of its radius high, a lamp at 45 degrees throws one of
   // a quarter of the radius.
   return static_cast<int>(std::ceil(radius * 1.25 + 4 * blur)) + kTaper;
-}
-
-double layered_reach(double radius, double blur) {
-  return layered_half(radius, blur) + kContext;
 }
 
 PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,

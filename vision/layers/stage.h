@@ -31,8 +31,6 @@ inline constexpr std::int64_t kLearningFrames = 128;
 bool is_learning_frame(std::int64_t place, std::int64_t total);
 /// Half width of the part's grid, px: the part with its rim and its shadow.
 int layered_half(double radius, double blur);
-/// Px about the part's centre that are looked at in every frame.
-double layered_reach(double radius, double blur);
 
 /// Caches what the second pass, and the rotation by rings, will read again while the first has it decoded: of
 /// every frame in which the part is seen a window about it, and whole those that the layers are probably

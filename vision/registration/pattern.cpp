@@ -25,27 +25,7 @@ double profile_at(const std::vector<float>& profile, double rho) {
   return (1 - t) * profile[k] + t * profile[k + 1];
 }
 
-}  // namespace
-
-bool Pattern::inside(const Rect& bounds, const Point& at, double margin) const {
-  const double half_x = radius > 0 ? radius : 0.5 * window.width;
-  const double half_y = radius > 0 ? radius : 0.5 * window.height;
-  return at.x - half_x - margin >= bounds.x - 0.5 && at.y - half_y - margin >= bounds.y - 0.5 &&
-         at.x + half_x + margin <= bounds.x + bounds.width - 0.5 &&
-         at.y + half_y + margin <= bounds.y + bounds.height - 0.5;
-}
-
-bool Pattern::overlaps(const Rect& bounds, const Point& at) const {
-  const double half_x = radius > 0 ? radius : 0.5 * window.width;
-  const double half_y = radius > 0 ? radius : 0.5 * window.height;
-  return at.x + half_x > bounds.x - 0.5 && at.y + half_y > bounds.y - 0.5 &&
-         at.x - half_x < bounds.x + bounds.width - 0.5 && at.y - half_y < bounds.y + bounds.height - 0.5;
-}
-
-double Pattern::reach() const {
-  return radius > 0 ? radius : 0.5 * std::min(window.width, window.height);
-}
-
+/// Median grey level by distance from the centre, whole pixels 0 .. radius + 1.
 std::vector<float> radial_profile(const Picture& picture, const Point& centre, double radius) {
   std::vector<std::vector<float>> rings(static_cast<std::size_t>(std::ceil(radius)) + 2);
   const int reach = static_cast<int>(std::ceil(radius)) + 1;
@@ -61,6 +41,25 @@ std::vector<float> radial_profile(const Picture& picture, const Point& centre, d
     profile[k] = !rings[k].empty() ? median(rings[k]) : k > 0 ? profile[k - 1] : 0.0F;
   if (rings[0].empty()) profile[0] = profile[1];
   return profile;
+}
+
+}  // namespace
+
+bool Pattern::inside(const Rect& bounds, const Point& at, double margin) const {
+  const auto [half_x, half_y] = half();
+  return at.x - half_x - margin >= bounds.x - 0.5 && at.y - half_y - margin >= bounds.y - 0.5 &&
+         at.x + half_x + margin <= bounds.x + bounds.width - 0.5 &&
+         at.y + half_y + margin <= bounds.y + bounds.height - 0.5;
+}
+
+bool Pattern::overlaps(const Rect& bounds, const Point& at) const {
+  const auto [half_x, half_y] = half();
+  return at.x + half_x > bounds.x - 0.5 && at.y + half_y > bounds.y - 0.5 &&
+         at.x - half_x < bounds.x + bounds.width - 0.5 && at.y - half_y < bounds.y + bounds.height - 0.5;
+}
+
+double Pattern::reach() const {
+  return std::min(half().x, half().y);
 }
 
 Pattern disc_pattern(const Picture& first, const Circle& disc, double margin) {

@@ -15,6 +15,9 @@ struct Pattern {
   bool inside(const Rect& bounds, const Point& at, double margin) const;
   /// Whether any of it does.
   bool overlaps(const Rect& bounds, const Point& at) const;
+  Point half() const {  ///< of the shape's extent, px
+    return radius > 0 ? Point{radius, radius} : Point{0.5 * window.width, 0.5 * window.height};
+  }
   double reach() const;  ///< radius, or half the shorter side
 };
 
@@ -24,9 +27,6 @@ Pattern disc_pattern(const Picture& first, const Circle& disc, double margin = 3
 
 /// Everything in the rectangle counts; its centre is tracked.
 Pattern rectangle_pattern(const Rect& rectangle);
-
-/// Median grey level by distance from the centre, whole pixels 0 .. radius + beyond.
-std::vector<float> radial_profile(const Picture& picture, const Point& centre, double radius);
 
 /// Template for a coarse search. For a disc: its radial profile, so that a turned disc matches as well.
 MaskedTemplate search_template(const Picture& first, const Pattern& pattern);

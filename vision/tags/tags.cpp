@@ -54,6 +54,9 @@ void require_tag_family(const std::string& dictionary) {
   tag_dictionary(dictionary);
 }
 
+namespace {
+
+/// 8 bits, the darkest and the brightest percent at the ends: detection wants them, accuracy does not suffer.
 cv::Mat to_8_bit(const Picture& picture) {
   std::vector<float> sorted(picture.levels().begin(), picture.levels().end());
   const double low = level_of_share(sorted, 0.01),
@@ -62,8 +65,6 @@ cv::Mat to_8_bit(const Picture& picture) {
   matrix_of(picture).convertTo(out, CV_8U, 240 / (high - low), 8 - 240 * low / (high - low));
   return out;
 }
-
-namespace {
 
 constexpr double kOfCell = 0.45;    ///< a crossing reaches so far to both sides, in cells of the tag
 constexpr double kFarthest = 6;     ///< px, and no farther

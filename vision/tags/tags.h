@@ -31,9 +31,6 @@ std::vector<Tag> find_tags(const Picture& picture, const std::string& dictionary
 /// "apriltag_36h11". Throws std::invalid_argument naming them.
 cv::Ptr<cv::aruco::Dictionary> tag_dictionary(const std::string& name);
 
-/// 8 bits, the darkest and the brightest percent at the ends: detection wants them, accuracy does not suffer.
-cv::Mat to_8_bit(const Picture& picture);
-
 /// The board's inner corners, row by row; empty where it is not seen whole. OpenCV's refinement brings them
 /// to a tenth of a pixel or better, a fit of their edges to the noise's limit.
 std::vector<cv::Point2f> board_corners(const Picture& levels, cv::Size inner);

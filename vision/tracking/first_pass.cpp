@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vision/kernels/covariance.h"
+#include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
 #include "vision/tracking/notes.h"
 

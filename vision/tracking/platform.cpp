@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "vision/kernels/covariance.h"
+#include "vision/kernels/dense.h"
 #include "vision/platform_motion/motion.h"
 #include "vision/tags/tags.h"
 #include "vision/tracking/notes.h"

@@ -1,5 +1,3 @@
-#include "vision/formats/libav/source.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>

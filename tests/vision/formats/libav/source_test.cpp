@@ -1,4 +1,4 @@
-#include "vision/formats/libav/source.h"
+#include "vision/formats/libav/libav.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
