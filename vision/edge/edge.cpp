@@ -7,8 +7,6 @@
 #include <mutex>
 
 #include "vision/edge/scores.h"
-#include "vision/kernels/dense.h"
-#include "vision/kernels/median.h"
 #include "vision/kernels/parallel.h"
 
 namespace tribotrack::vision {
@@ -210,7 +208,8 @@ void EdgeTracking::measure() {
   out_.fixes.resize(frames_.size());
   for (std::size_t i = 0; i < n; ++i) {
     const Point& c = centres_[usable_[i]];
-    out_.fixes[usable_[i]] = RimFix{{c.x + found.shift[i](0), c.y + found.shift[i](1)}, found.covariance[i]};
+    out_.fixes[usable_[i]] =
+        Remeasured{{c.x + found.shift[i](0), c.y + found.shift[i](1)}, found.covariance[i]};
   }
 }
 
@@ -245,30 +244,6 @@ bool turns(const FirstPassResult& first, const Track& track) {
   return total - white > std::pow(kTurnVisible / first.disc.radius, 2);
 }
 
-/// Of a coordinate, px^2.
-struct Variances {
-  double of_edge = 0;  ///< as its sectors tell it
-  double differ = 0;   ///< between edge and track, without the mean
-};
-
-using Fixes = std::vector<std::pair<std::size_t, RimFix>>;  ///< by point number
-
-Variances compare(const Track& track, const Fixes& fixes) {
-  Variances out;
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  double squares = 0;
-  const auto count = static_cast<double>(fixes.size());
-  for (const auto& [place, fix] : fixes) {
-    const TrackPoint& p = track.points[place];
-    const Eigen::Vector2d d(fix.centre.x - p.x, fix.centre.y - p.y);
-    sum += d;
-    squares += d.squaredNorm();
-    out.of_edge += 0.5 * fix.covariance.trace() / count;
-  }
-  out.differ = std::max(0.0, squares - sum.squaredNorm() / count) / (2 * count);
-  return out;
-}
-
 /// Why the edge need not be looked at; empty where it must.
 std::string reason_against(const FirstPassResult& first, const TrackOptions& options, bool coded,
                            bool turning, double stated) {
@@ -300,30 +275,21 @@ PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
     stage.reason = edge.why_not;
     return out;
   }
-  Fixes fixes;
-  for (std::size_t i = 0; i < places.size(); ++i)
-    if (edge.fixes[i]) fixes.emplace_back(places[i], *edge.fixes[i]);
-  const Variances v = compare(track, fixes);
+  const Remeasurement change = compare(track, places, edge.fixes);
+  const double differ = change.differ * change.differ, of_edge = change.sd * change.sd;
   // Pictures of a part that turns hold what turns with it: a difference is their error first. What a lossy
   // coder does moves an edge as well.
-  const double of_track = std::max(stated * stated, turning && !coded ? v.differ : v.differ - v.of_edge);
-  stage.on = out.done = v.of_edge < of_track;
+  const double of_track = std::max(stated * stated, turning && !coded ? differ : differ - of_edge);
+  stage.on = out.done = of_edge < of_track;
   stage.reason = fmt::format(
       "learnt from {} frames: edge at {:.2f} px, blur {:.2f} px, chamfer {:.2f} px; predicted errors: {:.2g} "
       "px by the edge, of "
       "them {:.2g} px slow, {:.2g} px by the part's pictures; they differ by {:.2g} px rms",
-      edge.learnt_from, edge.radius, edge.optics.blur, edge.optics.chamfer, std::sqrt(v.of_edge),
-      edge.slow_sd, std::sqrt(of_track), std::sqrt(v.differ));
+      edge.learnt_from, edge.radius, edge.optics.blur, edge.optics.chamfer, change.sd, edge.slow_sd,
+      std::sqrt(of_track), change.differ);
   if (!out.done) return out;
-  std::vector<double> sds;
-  for (const auto& [place, fix] : fixes) {
-    TrackPoint& p = track.points[place];
-    p.x = fix.centre.x;
-    p.y = fix.centre.y;
-    set_covariance(p, fix.covariance);
-    sds.push_back(std::sqrt(0.5 * fix.covariance.trace()));
-  }
-  out.limit_px = median(sds);
+  replace(track, places, edge.fixes);
+  out.limit_px = change.median_sd;
   out.slow_sd = edge.slow_sd;
   const double duration = track.points.back().time_s - track.points.front().time_s;
   out.slow_time =

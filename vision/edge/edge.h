@@ -32,16 +32,10 @@ struct EdgeOptions {
   int threads = 1;            ///< the result is the same for any number
 };
 
-/// Where the part was in a frame.
-struct RimFix {
-  Point centre;
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2
-};
-
 struct EdgeTrack {
   /// One per frame handed in, nullopt where not all of the rim lies in the picture; slow errors are in the
   /// covariances. Empty if nothing could be learnt.
-  std::vector<std::optional<RimFix>> fixes;
+  std::vector<std::optional<Remeasured>> fixes;
   std::string why_not;
   std::size_t learnt_from = 0;  ///< frames
   RimOptics optics;             ///< of the rim in the mean picture

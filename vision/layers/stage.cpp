@@ -10,8 +10,6 @@
 
 #include "vision/discs/disc_detection.h"
 #include "vision/io/levels.h"
-#include "vision/kernels/dense.h"
-#include "vision/kernels/median.h"
 #include "vision/layers/measuring.h"
 
 namespace tribotrack::vision {
@@ -80,53 +78,21 @@ std::optional<PlanStage> reason_against(const FirstPassResult& first, const Trac
   return stage;
 }
 
-void change(TrackPoint& point, const LayeredFix& fix) {
-  point.x = fix.state.centre.x;
-  point.y = fix.state.centre.y;
-  set_covariance(point, fix.covariance);
-  point.ncc = fix.ncc;
-}
-
-/// How the second pass changed a track.
-struct Change {
-  std::int64_t measured = 0;  ///< frames
-  std::int64_t kept = 0;      ///< frames that keep the first pass's position
-  double median_sd = 0;       ///< of a coordinate of the measured ones, px
-  double moved = 0;           ///< px rms, without the mean
-};
-
-Change replace_positions(Track& track, const std::vector<std::size_t>& places,
-                         const std::vector<std::optional<LayeredFix>>& fixes) {
-  std::vector<bool> changed(track.points.size(), false);
-  std::vector<double> sds;
-  Point moved;
-  double square = 0;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    if (!fixes[k]) continue;
-    TrackPoint& p = track.points[places[k]];
-    const double x = fixes[k]->state.centre.x - p.x, y = fixes[k]->state.centre.y - p.y;
-    square += std::pow(x, 2) + std::pow(y, 2);
-    moved.x += x;
-    moved.y += y;
-    change(p, *fixes[k]);
-    changed[places[k]] = true;
-    sds.push_back(std::sqrt(0.5 * fixes[k]->covariance.trace()));
+/// The ok points that were not measured again move by this, so that both passes refer to the same point of
+/// the disc. How many these are.
+std::int64_t move_rest(Track& track, const std::vector<std::size_t>& places,
+                       const std::vector<std::optional<Remeasured>>& fixes, const Point& by) {
+  std::vector<bool> measured(track.points.size(), false);
+  for (std::size_t k = 0; k < places.size(); ++k) measured[places[k]] = fixes[k].has_value();
+  std::int64_t count = 0;
+  for (std::size_t k = 0; k < track.points.size(); ++k) {
+    TrackPoint& p = track.points[k];
+    if (p.status != TrackStatus::ok || measured[k]) continue;
+    p.x += by.x;
+    p.y += by.y;
+    ++count;
   }
-  Change out;
-  if (sds.empty()) return out;
-  const auto count = static_cast<double>(sds.size());
-  // The rest moves with the mean, so that both passes refer to the same point of the disc.
-  for (std::size_t k = 0; k < track.points.size(); ++k)
-    if (track.points[k].status == TrackStatus::ok && !changed[k]) {
-      track.points[k].x += moved.x / count;
-      track.points[k].y += moved.y / count;
-      ++out.kept;
-    }
-  out.measured = static_cast<std::int64_t>(sds.size());
-  out.moved =
-      std::sqrt(std::max(0.0, (square - (moved.x * moved.x + moved.y * moved.y) / count) / (2 * count)));
-  out.median_sd = median(sds);
-  return out;
+  return count;
 }
 
 class LayeredPass {
@@ -152,18 +118,19 @@ class LayeredPass {
       return left_out("the pictures learnt explain hardly any frame; " + finding(first_));
     measure();
     show();
-    take_centre_of_rim();
-    const Change change = replace_positions(track, places, measured_.fixes);
-    if (change.measured == 0) return left_out("the layers explain no frame; " + finding(first_));
-    return outcome(change, track);
+    const auto fixes = centres_of_rim();
+    const Remeasurement change = compare(track, places, fixes);
+    if (change.count == 0) return left_out("the layers explain no frame; " + finding(first_));
+    replace(track, places, fixes);
+    return outcome(change, move_rest(track, places, fixes, change.moved), track);
   }
 
  private:
-  PassOutcome outcome(const Change& change, const Track& track);
+  PassOutcome outcome(const Remeasurement& change, std::int64_t kept, const Track& track);
   void keep_windows();
   void learn();
   void measure();
-  void take_centre_of_rim();
+  std::vector<std::optional<Remeasured>> centres_of_rim() const;
   void show();
 
   FrameSource& source_;
@@ -204,15 +171,18 @@ void LayeredPass::measure() {
 }
 
 /// Positions are those of the rim's centre in the averaged picture.
-void LayeredPass::take_centre_of_rim() {
+std::vector<std::optional<Remeasured>> LayeredPass::centres_of_rim() const {
   const double half = learnt_.part.half;
   const auto rim = fit_disc(learnt_.part.level, {half, half, first_.disc.radius}, 2);
-  if (!rim) return;
-  for (auto& fix : measured_.fixes) {
+  const Point off = rim ? Point{rim->circle.x - half, rim->circle.y - half} : Point{};
+  std::vector<std::optional<Remeasured>> out;
+  for (const auto& fix : measured_.fixes) {
+    out.emplace_back();
     if (!fix) continue;
-    fix->state.centre.x += rim->circle.x - half;
-    fix->state.centre.y += rim->circle.y - half;
+    const Point& c = fix->state.centre;
+    out.back() = Remeasured{{c.x + off.x, c.y + off.y}, fix->covariance, fix->ncc};
   }
+  return out;
 }
 
 /// To the debug sink: the layers, and the frames chosen for it.
@@ -228,7 +198,7 @@ void LayeredPass::show() {
   }
 }
 
-PassOutcome LayeredPass::outcome(const Change& change, const Track& track) {
+PassOutcome LayeredPass::outcome(const Remeasurement& change, std::int64_t kept, const Track& track) {
   PassOutcome out;
   out.done = true;
   out.limit_px = change.median_sd;
@@ -246,16 +216,16 @@ PassOutcome LayeredPass::outcome(const Change& change, const Track& track) {
                              "{:.4f} px rms; what frames share through the noise of the pictures, some "
                              "{:.1f} % of a position's "
                              "variance, is not counted between them",
-                             finding(first_), kept_.size(), learnt_.rounds, measured_.slow_sd, change.moved,
+                             finding(first_), kept_.size(), learnt_.rounds, measured_.slow_sd, change.differ,
                              200.0 / static_cast<double>(std::max<std::size_t>(1, kept_.size()))),
-       .error_bound_px = change.moved});
-  if (change.kept > 0)
+       .error_bound_px = change.differ});
+  if (kept > 0)
     out.warnings.push_back(fmt::format(
         "{} frames keep the position of the first pass, in which the ground is seen through the edge "
         "(the ground about the part is not known there, or something covers it): their standard deviations "
         "are "
         "wider",
-        change.kept));
+        kept));
   return out;
 }
 

@@ -1,7 +1,9 @@
 // What the first pass leaves to the second, beside the track.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -74,6 +76,25 @@ inline SeenFrames seen_frames(const Track& track, std::int64_t first_index, bool
   }
   return seen;
 }
+
+/// A position measured again.
+struct Remeasured {
+  Point centre;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< px^2
+  std::optional<double> ncc = {};
+};
+
+/// The positions at some places of a track, as they are and as they were measured again.
+struct Remeasurement {
+  std::size_t count = 0;         ///< measured
+  Point moved;                   ///< mean, px
+  double differ = 0;             ///< px rms of a coordinate, without the mean
+  double sd = 0, median_sd = 0;  ///< px of a coordinate as measured again: rms, median
+};
+Remeasurement compare(const Track& track, const std::vector<std::size_t>& places,
+                      const std::vector<std::optional<Remeasured>>& fixes);
+void replace(Track& track, const std::vector<std::size_t>& places,
+             const std::vector<std::optional<Remeasured>>& fixes);
 
 /// What a pass that measures the frames again found out, for the track's summary.
 struct PassOutcome {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vision/kernels/dense.h"
+#include "vision/kernels/median.h"
 #include "vision/stages/first_pass_result.h"
 
 namespace tribotrack::vision {
@@ -87,6 +89,43 @@ std::vector<ShownFrame> frames_to_show(const Track& track, const FirstPassResult
   }
   std::ranges::sort(shown, {}, &ShownFrame::index);
   return shown;
+}
+
+Remeasurement compare(const Track& track, const std::vector<std::size_t>& places,
+                      const std::vector<std::optional<Remeasured>>& fixes) {
+  Remeasurement out;
+  std::vector<double> sds;
+  double squares = 0, variances = 0;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    if (!fixes[k]) continue;
+    const TrackPoint& p = track.points[places[k]];
+    const double x = fixes[k]->centre.x - p.x, y = fixes[k]->centre.y - p.y;
+    out.moved = {out.moved.x + x, out.moved.y + y};
+    squares += x * x + y * y;
+    variances += 0.5 * fixes[k]->covariance.trace();
+    sds.push_back(std::sqrt(0.5 * fixes[k]->covariance.trace()));
+  }
+  out.count = sds.size();
+  if (sds.empty()) return out;
+  const auto n = static_cast<double>(sds.size());
+  out.moved = {out.moved.x / n, out.moved.y / n};
+  const double of_mean = out.moved.x * out.moved.x + out.moved.y * out.moved.y;
+  out.differ = std::sqrt(std::max(0.0, 0.5 * (squares / n - of_mean)));
+  out.sd = std::sqrt(variances / n);
+  out.median_sd = median(sds);
+  return out;
+}
+
+void replace(Track& track, const std::vector<std::size_t>& places,
+             const std::vector<std::optional<Remeasured>>& fixes) {
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    if (!fixes[k]) continue;
+    TrackPoint& p = track.points[places[k]];
+    p.x = fixes[k]->centre.x;
+    p.y = fixes[k]->centre.y;
+    p.ncc = fixes[k]->ncc.value_or(p.ncc);
+    set_covariance(p, fixes[k]->covariance);
+  }
 }
 
 StagePicture window_of(FrameSource& source, const ShownFrame& shown, const Rect& window) {
