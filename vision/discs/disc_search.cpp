@@ -179,7 +179,7 @@ class Finds {
     const double coverage = usual != 0 ? coverage_of(steps, usual) : 0;
     if (coverage < 0.4 || clarity_of(steps, usual) < 0.5 * kLeastClarity) return;
     const double votes = coverage * coverage * std::abs(usual) * std::sqrt(c.radius);
-    if (votes > 0) looks_.push_back({c, usual > 0 ? 1.0 : -1.0, votes, -1});
+    if (votes > 0) looks_.push_back({c, usual > 0 ? 1.0 : -1.0, votes});
   }
 
   /// The discs among all that was added, best first.
@@ -213,17 +213,15 @@ class Finds {
     Circle circle;
     double polarity = 1;  ///< as in climb_rim
     double votes = 0;
-    std::ptrdiff_t fit = -1;  ///< its place in fits_, -1 before it is fitted
+    bool tried = false;
+    std::optional<DiscFit> fit = {};
   };
 
   const std::optional<DiscFit>& fitted(Look& look) {
-    if (look.fit < 0) {
-      look.fit = std::ssize(fits_);
-      auto& fit = fits_.emplace_back();
-      if (may_fit(look)) fit = fit_disc(picture_, look.circle, capture_of(look.circle));
-      if (fit && !wanted(*fit)) fit.reset();
-    }
-    return fits_[static_cast<std::size_t>(look.fit)];
+    if (!look.tried && may_fit(look)) look.fit = fit_disc(picture_, look.circle, capture_of(look.circle));
+    if (look.fit && !wanted(*look.fit)) look.fit.reset();
+    look.tried = true;
+    return look.fit;
   }
 
   /// Whether the best circle nearby is seen nearly all the way round, by steps that are no chance: far
@@ -263,7 +261,6 @@ class Finds {
   const DiscSearch& search_;
   Directions quick_ = directions(64);
   std::vector<Look> looks_;
-  std::vector<std::optional<DiscFit>> fits_;
 };
 
 /// The picture and its halves, each the one before averaged over 2 x 2 pixels, as far as discs are searched.

@@ -225,15 +225,13 @@ bool texture_returns(FrameSource& source, const Picture& first, std::int64_t ind
 
   FollowOptions follow = options;
   follow.rotation = true;
-  follow.search_whole_frame = false;
-  PatternFollower follower(first, index, disc, follow);
   std::vector<double> seen;
-  for (std::int64_t k = index + 1; k <= std::min(last, index + kFrames); ++k) {
-    const FollowStep step = follower.step(source, k);
-    if (step.status != TrackStatus::ok || k - index < kSoonest) continue;
+  for (const Seen& s : follow_some(source, first, index, std::min(last, index + kFrames), disc, follow)) {
+    if (s.index - index < kSoonest) continue;
     double best = -1;
-    for (const double theta : {step.sighting->pose.theta, 0.0}) {
-      const std::vector<float> here = levels(k, step.sighting->position, theta);
+    for (const double theta : {s.pose.theta, 0.0}) {
+      const std::vector<float> here =
+          levels(s.index, {disc.centre.x + s.pose.dx, disc.centre.y + s.pose.dy}, theta);
       best = std::max(best, dot(texture, here) / std::sqrt(square * std::max(1e-9, dot(here, here))));
     }
     seen.push_back(best);

@@ -84,7 +84,7 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Appeara
         return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.result.disc);
       })) {
   if (options.gate) lamp_.emplace(*options.gate, source);
-  if (asks_ground(options)) {
+  if (options.marker.kind == MarkerChoice::Kind::automatic) {  // the ground, where it moves
     const auto running = clock.enter("first pass: marker");
     glance_.emplace(first_, over_ground(setup_.pattern.centre, setup_.pattern, options), range.first,
                     range.last, kGroundGlance, camera.noise_variance);
@@ -137,8 +137,10 @@ FollowStep FirstPass::follow_part(std::int64_t index) {
 void FirstPass::follow_marker(std::int64_t index, TrackPoint& point) {
   if (!marker_.follower) return;
   const auto running = clock_.enter("first pass: marker");
-  if (const FollowStep seen = marker_.follower->step(source_, index); seen.status == TrackStatus::ok)
-    point.marker = marker_point(*seen.sighting);
+  const FollowStep step = marker_.follower->step(source_, index);
+  if (step.status != TrackStatus::ok) return;
+  const Sighting& s = *step.sighting;
+  point.marker = MarkerPoint{s.position.x, s.position.y, std::sqrt(0.5 * s.covariance.trace()), s.ncc};
 }
 
 void FirstPass::sample_lamp(std::int64_t index, TrackPoint& point) {
@@ -158,12 +160,14 @@ void FirstPass::glance_at_ground(std::int64_t index, const FollowStep& step) {
 
 /// Where it serves as the marker, or is seen to move.
 void FirstPass::follow_ground(TrackSummary& summary) {
+  using Kind = MarkerChoice::Kind;
   const auto running = clock_.enter("first pass: marker");
   if (glance_) {
     const GroundVerdict ground = look_at_ground(glance_->sample(), setup_.result.noise_variance);
     if (!ground.moves) summary.plan.push_back(ground_marker_stage(ground.reason, 0));
     if (!ground.moves) return;
-  } else if (!wants_ground(options_, track_.has_marker)) {
+  } else if (options_.marker.kind != Kind::texture &&
+             (options_.marker.kind != Kind::find || track_.has_marker)) {
     return;
   }
   follow_platform(source_, setup_.result, options_, setup_.pattern, track_, summary);

@@ -129,19 +129,6 @@ MarkerSetup set_up_marker(const Picture& first, FrameSource& source, const Frame
   return setup;
 }
 
-bool wants_ground(const TrackOptions& options, bool has_marker) {
-  using Kind = MarkerChoice::Kind;
-  return options.marker.kind == Kind::texture || (options.marker.kind == Kind::find && !has_marker);
-}
-
-bool asks_ground(const TrackOptions& options) {
-  return options.marker.kind == MarkerChoice::Kind::automatic;
-}
-
-MarkerPoint marker_point(const Sighting& s) {
-  return {s.position.x, s.position.y, std::sqrt(0.5 * s.covariance.trace()), s.ncc};
-}
-
 std::vector<Circle> over_ground(const Point& part, const Pattern& pattern, const TrackOptions& options) {
   const double reach =
       pattern.radius > 0 ? pattern.radius : 0.5 * std::hypot(pattern.window.width, pattern.window.height);
@@ -161,7 +148,7 @@ void follow_platform(FrameSource& source, const FirstPassResult& first, const Tr
   const GroundMotion motion =
       follow_ground(source, first.first_index, first.first_index + first.total - 1, ground);
   const GroundVerdict& verdict = motion.verdict;
-  if (!verdict.visible && !asks_ground(options))
+  if (!verdict.visible && options.marker.kind != MarkerChoice::Kind::automatic)
     throw InputError(
         source.info().path.string() + ": " +
         (options.marker.kind == MarkerChoice::Kind::find ? "no round marker was found, and " : "") +

@@ -23,13 +23,6 @@ struct MarkerSetup {
 MarkerSetup set_up_marker(const Picture& first, FrameSource& source, const FrameRange& range,
                           const TrackOptions& options, double noise_variance, const Circle& part);
 
-MarkerPoint marker_point(const Sighting& s);
-
-/// Whether the platform is to be followed by its ground, whatever that does.
-bool wants_ground(const TrackOptions& options, bool has_marker);
-/// Whether it is to be followed by its ground where that moves.
-bool asks_ground(const TrackOptions& options);
-
 /// What lies over the ground: the part there with its shadow, the lamp.
 std::vector<Circle> over_ground(const Point& part, const Pattern& pattern, const TrackOptions& options);
 
