@@ -133,7 +133,7 @@ class Tracking {
   TrackOptions options_;
   StageClock clock_;
   TimedSource timed_;
-  KeptFrames cache_;
+  FrameCache cache_;
   FrameRange range_;  ///< of the frames to analyse
   Camera camera_;
   std::optional<MendedSource> mended_;  ///< where the camera has bad pixels

@@ -56,6 +56,4 @@ class FrameCache : public FrameSource {
   std::vector<std::uint8_t> bytes_;
 };
 
-using KeptFrames = FrameCache;  // the name in vision/tracker.cpp and vision/layers
-
 }  // namespace tribotrack::vision

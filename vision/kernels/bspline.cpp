@@ -253,10 +253,6 @@ QuinticSpline::QuinticSpline(const Picture& picture)
   }
 }
 
-double QuinticSpline::value(double x, double y) const {
-  return sample(x, y).value;
-}
-
 SplineSample QuinticSpline::sample(double x, double y) const {
   x = std::clamp(x, -5.0, width_ + 3.999);
   y = std::clamp(y, -5.0, height_ + 3.999);

@@ -37,7 +37,7 @@ class QuinticSpline {
   int height() const { return height_; }
 
   /// Anywhere up to 5 px beyond the picture; further out the place is clamped.
-  double value(double x, double y) const;
+  double value(double x, double y) const { return sample(x, y).value; }
   SplineSample sample(double x, double y) const;
 
   /// The same at many places at once, in single precision. Slopes may be null, both together.

@@ -257,7 +257,7 @@ PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, con
   return LayeredPass(source, seen.frames, first, options, shown, clock).run(seen.places, track);
 }
 
-FramesReadAgain::FramesReadAgain(KeptFrames& frames, const FirstPassResult& first, Layers layers)
+FramesReadAgain::FramesReadAgain(FrameCache& frames, const FirstPassResult& first, Layers layers)
     : frames_(frames),
       first_index_(first.first_index),
       total_(first.total),

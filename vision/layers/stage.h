@@ -37,11 +37,11 @@ int layered_half(double radius, double blur);
 /// learnt from. Nothing for recordings that are not decoded.
 class FramesReadAgain {
  public:
-  FramesReadAgain(KeptFrames& frames, const FirstPassResult& first, Layers layers);
+  FramesReadAgain(FrameCache& frames, const FirstPassResult& first, Layers layers);
   void seen(std::int64_t index, const Point& centre);
 
  private:
-  KeptFrames& frames_;
+  FrameCache& frames_;
   std::int64_t first_index_, total_;
   bool layers_;
   double reach_;

@@ -32,7 +32,6 @@ class CoarseShift {
   CoarseShift(const Picture& first, const std::vector<Circle>& hidden, double noise_variance);
   /// To within half a bin where the ground shows a texture.
   Point of(const Picture& picture, const std::vector<Circle>& hidden) const;
-  int bin() const { return bin_; }
 
  private:
   cv::Mat texture(const Picture& picture, const std::vector<Circle>& hidden) const;

@@ -73,15 +73,6 @@ void locate_disc(PartSetup& setup, const Picture& first, const FrameSource& sour
   setup.disc_blur = setup.rim ? setup.rim->blur : 0;
 }
 
-/// Levels rms: texture of the ground around the disc, and the noise.
-PlanStage mask_stage(bool beyond_rim, double texture, double noise) {
-  return {.name = "mask beyond the rim",
-          .on = beyond_rim,
-          .reason = fmt::format(
-              "the ground around the disc has a texture of {:.1f} grey levels rms against noise of {:.1f}",
-              texture, noise)};
-}
-
 /// A textured ground around the disc moves against it: then the mask ends at the rim.
 void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
   const double noise = std::sqrt(noise_variance);
@@ -90,30 +81,31 @@ void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
       ground_texture(first, disc, setup.disc_blur, noise_variance);
   const bool beyond_rim = !(texture > kTextureFactor * noise);
   setup.pattern = disc_pattern(first, disc, beyond_rim ? 3 : 0);
-  setup.plan.push_back(mask_stage(beyond_rim, texture, noise));
-}
-
-/// `limit_theta` rad: Cramer-Rao bound of the rotation; `visible`: it is small enough for a first frame.
-PlanStage rotation_stage(bool on, bool visible, double limit_theta) {
-  constexpr double kAnyAngle = 10;  // rad: rotation is not visible at all
-  PlanStage stage{.name = "rotation", .on = on, .reason = {}};
-  if (visible && !on)
-    stage.reason = "what looks like a texture of the part is not seen again in the following frames";
-  else if (limit_theta < kAnyAngle)
-    stage.reason = fmt::format("the part's texture shows its rotation to {:.3g} rad", limit_theta);
-  else
-    stage.reason = "the part has no texture above the noise that shows rotation";
-  return stage;
+  setup.plan.push_back(
+      {.name = "mask beyond the rim",
+       .on = beyond_rim,
+       .reason = fmt::format(
+           "the ground around the disc has a texture of {:.1f} grey levels rms against noise of {:.1f}",
+           texture, noise)});
 }
 
 void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const Picture& first,
                      FrameSource& source, const FrameRange& range) {
-  const bool visible = trial.limit_theta() < kRotationLimit;
-  setup.result.texture_seen = visible;
-  setup.result.turning = setup.follow.rotation =
+  constexpr double kAnyAngle = 10;  // rad: rotation is not visible at all
+  const double limit = trial.limit_theta();
+  const bool visible = limit < kRotationLimit;
+  const bool on =
       visible && (setup.pattern.radius == 0 ||
                   texture_returns(source, first, range.first, range.last, setup.pattern, setup.follow));
-  setup.plan.push_back(rotation_stage(setup.follow.rotation, visible, trial.limit_theta()));
+  setup.result.texture_seen = visible;
+  setup.result.turning = setup.follow.rotation = on;
+  setup.plan.push_back(
+      {.name = "rotation",
+       .on = on,
+       .reason =
+           visible && !on ? "what looks like a texture of the part is not seen again in the following frames"
+           : limit < kAnyAngle ? fmt::format("the part's texture shows its rotation to {:.3g} rad", limit)
+                               : "the part has no texture above the noise that shows rotation"});
 }
 
 /// The template is averaged over the first frames where its noise matters: a single one's adds `noise_cost`
