@@ -169,7 +169,7 @@ void Tracking::find_first_frame() {
 void Tracking::follow() {
   cache_first_frames(start_);
   first_pass_ = std::make_unique<FirstPass>(frames(), FrameRange{start_, range_.last}, appearance_, camera_,
-                                            options_, clock_);
+                                            options_, clock_, result_.summary);
   coding_.emplace(recording_, first_pass_->result().disc.radius);
   FramesReadAgain read_again(cache_, first_pass_->result(), options_.layers);
   const std::int64_t total = first_pass_->result().total;
@@ -180,7 +180,7 @@ void Tracking::follow() {
     }
     if (options_.progress) options_.progress((k + 1) / (options_.layers == Layers::off ? 1 : 2), total);
   }
-  result_.track = first_pass_->finish(result_.summary);
+  result_.track = first_pass_->finish();
   if (first_pass_->rim()) ask_if_it_rests(frames(), start_, result_.track, *first_pass_->rim(), options_);
 }
 

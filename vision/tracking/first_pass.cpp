@@ -70,27 +70,33 @@ PlanStage rim_stage(std::int64_t by_rim, std::int64_t seen) {
 }  // namespace
 
 FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Appearance& seen,
-                     const Camera& camera, const TrackOptions& options, StageClock& clock)
+                     const Camera& camera, const TrackOptions& options, StageClock& clock,
+                     TrackSummary& summary)
     : source_(source),
       range_(range),
       options_(options),
       clock_(clock),
-      bad_pixels_(camera.bad_pixels.size()),
+      summary_(summary),
       first_(source.read(range.first)),
       setup_(timed(clock, "template of the part",
-                   [&] { return set_up_part(first_, source, range, seen, options, camera.noise_variance); })),
+                   [&] {
+                     summary.plan.push_back(bad_pixels_stage(camera.bad_pixels.size()));
+                     return set_up_part(first_, source, range, seen, options, camera.noise_variance, summary);
+                   })),
       part_(setup_.average.picture(first_), range.first, setup_.pattern, setup_.follow, setup_.shape),
       marker_(timed(clock, "first pass: marker", [&] {
-        return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.result.disc);
+        return set_up_marker(first_, source, range, options, camera.noise_variance, setup_.result.disc,
+                             summary);
       })) {
   if (options.gate) lamp_.emplace(*options.gate, source);
+  summary.gate_pixels = lamp_ ? lamp_->pixels() : 0;
   if (options.marker.kind == MarkerChoice::Kind::automatic) {  // the ground, where it moves
     const auto running = clock.enter("first pass: marker");
     glance_.emplace(first_, over_ground(setup_.pattern.centre, setup_.pattern, options), range.first,
                     range.last, kGroundGlance, camera.noise_variance);
   }
   last_seen_ = setup_.pattern.centre;
-  track_.has_marker = marker_.follower.has_value();
+  track_.has_marker = marker_.has_value();
   track_.has_gate = lamp_.has_value();
 }
 
@@ -108,8 +114,8 @@ std::optional<Point> FirstPass::step(std::int64_t index) {
 
 std::optional<Circle> FirstPass::mark() const {
   const auto& seen = track_.points.back().marker;
-  if (!seen || !(marker_.circle.radius > 0)) return std::nullopt;
-  return Circle{seen->x, seen->y, marker_.circle.radius};
+  if (!seen || !(summary_.marker.radius > 0)) return std::nullopt;
+  return Circle{seen->x, seen->y, summary_.marker.radius};
 }
 
 /// Fills the last point.
@@ -135,9 +141,9 @@ FollowStep FirstPass::follow_part(std::int64_t index) {
 }
 
 void FirstPass::follow_marker(std::int64_t index, TrackPoint& point) {
-  if (!marker_.follower) return;
+  if (!marker_) return;
   const auto running = clock_.enter("first pass: marker");
-  const FollowStep step = marker_.follower->step(source_, index);
+  const FollowStep step = marker_->step(source_, index);
   if (step.status != TrackStatus::ok) return;
   const Sighting& s = *step.sighting;
   point.marker = MarkerPoint{s.position.x, s.position.y, std::sqrt(0.5 * s.covariance.trace()), s.ncc};
@@ -148,7 +154,7 @@ void FirstPass::sample_lamp(std::int64_t index, TrackPoint& point) {
   const auto running = clock_.enter("first pass: gate lamp");
   const GateLamp::Sample light = lamp_->sample(source_, index);
   point.gate = light.level;
-  clipped_share_ = std::max(clipped_share_, light.clipped_share);
+  summary_.gate_clipped_share = std::max(summary_.gate_clipped_share, light.clipped_share);
 }
 
 void FirstPass::glance_at_ground(std::int64_t index, const FollowStep& step) {
@@ -159,55 +165,41 @@ void FirstPass::glance_at_ground(std::int64_t index, const FollowStep& step) {
 }
 
 /// Where it serves as the marker, or is seen to move.
-void FirstPass::follow_ground(TrackSummary& summary) {
+void FirstPass::follow_ground() {
   using Kind = MarkerChoice::Kind;
   const auto running = clock_.enter("first pass: marker");
   if (glance_) {
     const GroundVerdict ground = look_at_ground(glance_->sample(), setup_.result.noise_variance);
-    if (!ground.moves) summary.plan.push_back(ground_marker_stage(ground.reason, 0));
+    if (!ground.moves) summary_.plan.push_back(ground_marker_stage(ground.reason, 0));
     if (!ground.moves) return;
   } else if (options_.marker.kind != Kind::texture &&
              (options_.marker.kind != Kind::find || track_.has_marker)) {
     return;
   }
-  follow_platform(source_, setup_.result, options_, setup_.pattern, track_, summary);
+  follow_platform(source_, setup_.result, options_, setup_.pattern, track_, summary_);
 }
 
-Track FirstPass::finish(TrackSummary& summary) {
-  for (const std::size_t begin : came_back_) add(summary.warnings, without_a_mark(track_, begin));
-  summary.disc = setup_.result.disc;
-  summary.disc_blur = setup_.disc_blur;
-  summary.disc_radius_sd = setup_.disc_radius_sd;
-  summary.marker = marker_.circle;
-  summary.tag = marker_.tag;
-  summary.noise_levels = std::sqrt(setup_.result.noise_variance);
-  summary.limit_px = setup_.result.limit_px;
-  summary.gate_pixels = lamp_ ? lamp_->pixels() : 0;
-  summary.gate_clipped_share = clipped_share_;
-  summary.plan = {bad_pixels_stage(bad_pixels_)};
-  add(summary.plan, setup_.plan);
-  add(summary.plan, marker_.plan);
-  add(summary.warnings, setup_.warnings);
-  add(summary.warnings, marker_.warnings);
-  follow_ground(summary);
-  static_cast<FrameCounts&>(summary) = count(track_, options_.max_lost_share);
-  summary.refound = refound_;
-  add(summary.plan, search_stages(part_.effort(), summary.frames));
+Track FirstPass::finish() {
+  for (const std::size_t begin : came_back_) add(summary_.warnings, without_a_mark(track_, begin));
+  follow_ground();
+  static_cast<FrameCounts&>(summary_) = count(track_, options_.max_lost_share);
+  summary_.refound = refound_;
+  add(summary_.plan, search_stages(part_.effort(), summary_.frames));
   if (part_.effort().ended)
-    summary.warnings.push_back(fmt::format(
+    summary_.warnings.push_back(fmt::format(
         "the track ends before frame {}: from there on others that look like the part may have come to where "
         "it "
         "is seen; record at a higher rate, or mark the part",
         source_.number(*part_.effort().ended)));
   if (setup_.shape) {
     const auto by_rim = std::ranges::count(setup_.result.looks, true, &PartLook::by_rim);
-    summary.plan.push_back(rim_stage(by_rim, summary.ok));
+    summary_.plan.push_back(rim_stage(by_rim, summary_.ok));
   }
   if (options_.target.kind == Target::Kind::find_disc) {
-    const auto still = stillness_warning(track_, summary.disc);
-    add(summary.warnings, still ? still : carried_warning(track_, summary.disc));
-    summary.rests_for_ever = still.has_value();
-    if (still) summary.gate_passed = false;
+    const auto still = stillness_warning(track_, summary_.disc);
+    add(summary_.warnings, still ? still : carried_warning(track_, summary_.disc));
+    summary_.rests_for_ever = still.has_value();
+    if (still) summary_.gate_passed = false;
   }
   setup_.result.excess = median(excess_);
   return std::move(track_);

@@ -42,10 +42,10 @@ class GateLamp {
 
 class FirstPass {
  public:
-  /// Keeps references. The range begins where the part is first seen. Throws InputError where it,
-  /// the marker or the lamp cannot be followed from there.
+  /// Keeps references; the summary is filled as things become known. The range begins where the part is first
+  /// seen. Throws InputError where it, the marker or the lamp cannot be followed from there.
   FirstPass(FrameSource& source, const FrameRange& range, const Appearance& seen, const Camera& camera,
-            const TrackOptions& options, StageClock& clock);
+            const TrackOptions& options, StageClock& clock, TrackSummary& summary);
 
   /// Of the part in the first frame.
   const std::optional<DiscFit>& rim() const { return setup_.rim; }
@@ -57,9 +57,8 @@ class FirstPass {
   /// The round mark as it was seen in the last frame.
   std::optional<Circle> mark() const;
 
-  /// After the last frame: the track, and its summary as far as it is known. Follows the platform's ground
-  /// where that serves as the marker.
-  Track finish(TrackSummary& summary);
+  /// After the last frame. Follows the platform's ground where that serves as the marker.
+  Track finish();
 
   /// Complete after finish().
   const FirstPassResult& result() const { return setup_.result; }
@@ -71,17 +70,17 @@ class FirstPass {
   void follow_marker(std::int64_t index, TrackPoint& point);
   void sample_lamp(std::int64_t index, TrackPoint& point);
   void glance_at_ground(std::int64_t index, const FollowStep& step);
-  void follow_ground(TrackSummary& summary);
+  void follow_ground();
 
   FrameSource& source_;
   FrameRange range_;
   const TrackOptions& options_;
   StageClock& clock_;
-  std::size_t bad_pixels_;
+  TrackSummary& summary_;
   Picture first_;
   PartSetup setup_;
   PatternFollower part_;
-  MarkerSetup marker_;
+  std::optional<PatternFollower> marker_;
   std::optional<GroundSampler> glance_;  ///< at the ground: does it move?
   Point last_seen_;                      ///< the part
   std::optional<GateLamp> lamp_;
@@ -91,7 +90,6 @@ class FirstPass {
   std::vector<double> excess_;
   std::int64_t refound_ = 0;
   std::vector<std::size_t> came_back_;  ///< points at which a part that had left was found again
-  double clipped_share_ = 0;
 };
 
 }  // namespace tribotrack::vision

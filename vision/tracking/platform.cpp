@@ -94,39 +94,39 @@ PatternFollower marker_follower(const Picture& first, FrameSource& source, const
 
 }  // namespace
 
-MarkerSetup set_up_marker(const Picture& first, FrameSource& source, const FrameRange& range,
-                          const TrackOptions& options, double noise_variance, const Circle& part) {
-  MarkerSetup setup;
+std::optional<PatternFollower> set_up_marker(const Picture& first, FrameSource& source,
+                                             const FrameRange& range, const TrackOptions& options,
+                                             double noise_variance, const Circle& part,
+                                             TrackSummary& summary) {
+  Circle& circle = summary.marker;
   switch (options.marker.kind) {
     case MarkerChoice::Kind::none:
-      setup.plan.push_back({.name = "marker", .reason = "none given: positions are in the camera's frame"});
-      return setup;
+      summary.plan.push_back({.name = "marker", .reason = "none given: positions are in the camera's frame"});
+      return std::nullopt;
     case MarkerChoice::Kind::automatic:
     case MarkerChoice::Kind::texture:
-      return setup;
+      return std::nullopt;
     case MarkerChoice::Kind::circle: {
       check_whole(first, options.marker.circle, source, "marker");
       const auto rim = refined(first, options.marker.circle);
-      if (!rim) setup.warnings.push_back(no_rim_warning("marker", options.marker.circle));
-      setup.circle = rim ? rim->circle : options.marker.circle;
+      if (!rim) summary.warnings.push_back(no_rim_warning("marker", options.marker.circle));
+      circle = rim ? rim->circle : options.marker.circle;
       break;
     }
     case MarkerChoice::Kind::tag:
-      std::tie(setup.tag, setup.circle) = tag_in(first, options.marker, source);
+      std::tie(summary.tag, circle) = tag_in(first, options.marker, source);
       break;
     case MarkerChoice::Kind::find:
       const auto found = found_marker(first, options, part);
-      if (!found) return setup;
-      setup.circle = *found;
+      if (!found) return std::nullopt;
+      circle = *found;
   }
-  setup.plan.push_back(
+  summary.plan.push_back(
       {.name = "marker",
        .on = true,
-       .reason = fmt::format("at ({:.1f}, {:.1f}) px, radius {:.1f} px: its motion is subtracted",
-                             setup.circle.x, setup.circle.y, setup.circle.radius)});
-  setup.follower.emplace(
-      marker_follower(first, source, range, setup.circle, options.min_ncc, noise_variance));
-  return setup;
+       .reason = fmt::format("at ({:.1f}, {:.1f}) px, radius {:.1f} px: its motion is subtracted", circle.x,
+                             circle.y, circle.radius)});
+  return marker_follower(first, source, range, circle, options.min_ncc, noise_variance);
 }
 
 std::vector<Circle> over_ground(const Point& part, const Pattern& pattern, const TrackOptions& options) {

@@ -11,17 +11,12 @@
 
 namespace tribotrack::vision {
 
-struct MarkerSetup {
-  std::optional<PatternFollower> follower;  ///< empty: no mark, or the ground is to be used
-  Circle circle;
-  std::optional<SeenTag> tag;  ///< where that is the mark
-  std::vector<PlanStage> plan;
-  std::vector<std::string> warnings;
-};
-
-/// The mark given or found; `part` is not the mark.
-MarkerSetup set_up_marker(const Picture& first, FrameSource& source, const FrameRange& range,
-                          const TrackOptions& options, double noise_variance, const Circle& part);
+/// Of the mark given or found, of which the summary is told; `part` is not the mark. Nothing where there is
+/// none, or the ground is to be used.
+std::optional<PatternFollower> set_up_marker(const Picture& first, FrameSource& source,
+                                             const FrameRange& range, const TrackOptions& options,
+                                             double noise_variance, const Circle& part,
+                                             TrackSummary& summary);
 
 /// What lies over the ground: the part there with its shadow, the lamp.
 std::vector<Circle> over_ground(const Point& part, const Pattern& pattern, const TrackOptions& options);

@@ -60,28 +60,28 @@ void set_up_rectangle(PartSetup& setup, const Picture& first, const FrameSource&
 }
 
 void locate_disc(PartSetup& setup, const Picture& first, const FrameSource& source, const Appearance& seen,
-                 const TrackOptions& options) {
+                 const TrackOptions& options, TrackSummary& summary) {
   if (options.target.kind == Target::Kind::disc) {
     check_whole(first, options.target.disc, source, "disc");
     setup.rim = seen.discs.empty() ? refined(first, options.target.disc) : seen.discs.front();
-    if (!setup.rim) setup.warnings.push_back(no_rim_warning("disc", options.target.disc));
+    if (!setup.rim) summary.warnings.push_back(no_rim_warning("disc", options.target.disc));
   } else {
     setup.rim = find_part(first, source, seen, options);
   }
   setup.result.disc = setup.rim ? setup.rim->circle : options.target.disc;
-  setup.disc_radius_sd = setup.rim ? setup.rim->radius_sd : kClickSd;
-  setup.disc_blur = setup.rim ? setup.rim->blur : 0;
+  summary.disc_radius_sd = setup.rim ? setup.rim->radius_sd : kClickSd;
+  summary.disc_blur = setup.rim ? setup.rim->blur : 0;
 }
 
 /// A textured ground around the disc moves against it: then the mask ends at the rim.
-void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
+void mask_disc(PartSetup& setup, const Picture& first, double noise_variance, TrackSummary& summary) {
   const double noise = std::sqrt(noise_variance);
   const Circle& disc = setup.result.disc;
   const double texture = setup.result.ground_texture =
-      ground_texture(first, disc, setup.disc_blur, noise_variance);
+      ground_texture(first, disc, summary.disc_blur, noise_variance);
   const bool beyond_rim = !(texture > kTextureFactor * noise);
   setup.pattern = disc_pattern(first, disc, beyond_rim ? 3 : 0);
-  setup.plan.push_back(
+  summary.plan.push_back(
       {.name = "mask beyond the rim",
        .on = beyond_rim,
        .reason = fmt::format(
@@ -90,7 +90,7 @@ void mask_disc(PartSetup& setup, const Picture& first, double noise_variance) {
 }
 
 void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const Picture& first,
-                     FrameSource& source, const FrameRange& range) {
+                     FrameSource& source, const FrameRange& range, TrackSummary& summary) {
   constexpr double kAnyAngle = 10;  // rad: rotation is not visible at all
   const double limit = trial.limit_theta();
   const bool visible = limit < kRotationLimit;
@@ -99,7 +99,7 @@ void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const 
                   texture_returns(source, first, range.first, range.last, setup.pattern, setup.follow));
   setup.result.texture_seen = visible;
   setup.result.turning = setup.follow.rotation = on;
-  setup.plan.push_back(
+  summary.plan.push_back(
       {.name = "rotation",
        .on = on,
        .reason =
@@ -111,7 +111,7 @@ void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const 
 /// The template is averaged over the first frames where its noise matters: a single one's adds `noise_cost`
 /// to the variance, relative.
 void average_template(PartSetup& setup, double noise_cost, const Picture& first, FrameSource& source,
-                      const FrameRange& range) {
+                      const FrameRange& range, TrackSummary& summary) {
   PlanStage stage{.name = "template averaged over the first frames",
                   .reason = "the part may turn: frames cannot be averaged",
                   .error_bound_px = setup.result.limit_px * (std::sqrt(1 + noise_cost) - 1)};
@@ -124,7 +124,7 @@ void average_template(PartSetup& setup, double noise_cost, const Picture& first,
     if (!(noise_cost < kQuietTemplate))
       stage.reason += fmt::format("; {} frames agree", setup.average.frames);
   }
-  setup.plan.push_back(std::move(stage));
+  summary.plan.push_back(std::move(stage));
 }
 
 /// What the first pass and those after it go by. A disc given without a rim that confirms it still has one to
@@ -144,7 +144,8 @@ void look_at_rim(PartSetup& setup, const Picture& first) {
 }  // namespace
 
 PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRange& range,
-                      const Appearance& seen, const TrackOptions& options, double noise_variance) {
+                      const Appearance& seen, const TrackOptions& options, double noise_variance,
+                      TrackSummary& summary) {
   PartSetup setup;
   setup.follow.min_ncc = options.min_ncc;
   setup.follow.noise_variance = noise_variance;
@@ -155,14 +156,17 @@ PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRang
   if (options.target.kind == Target::Kind::rectangle) {
     set_up_rectangle(setup, first, source, options.target.rectangle);
   } else {
-    locate_disc(setup, first, source, seen, options);
-    mask_disc(setup, first, noise_variance);
+    locate_disc(setup, first, source, seen, options, summary);
+    mask_disc(setup, first, noise_variance, summary);
   }
   const TemplateRegistration trial(first, setup.pattern, setup.follow);
   setup.result.limit_px = std::sqrt(0.5 * trial.limit().trace());
-  decide_rotation(setup, trial, first, source, range);
-  average_template(setup, trial.template_noise_cost(), first, source, range);
+  decide_rotation(setup, trial, first, source, range, summary);
+  average_template(setup, trial.template_noise_cost(), first, source, range, summary);
   look_at_rim(setup, first);
+  summary.disc = setup.result.disc;
+  summary.limit_px = setup.result.limit_px;
+  summary.noise_levels = std::sqrt(noise_variance);
   return setup;
 }
 

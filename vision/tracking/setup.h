@@ -27,17 +27,16 @@ struct PartSetup {
   FirstPassResult result;         ///< as far as the first frames tell; the disc has radius 0 for a rectangle
   std::optional<DiscFit> rim;     ///< of the disc in the first frame, where it is seen
   std::optional<RimShape> shape;  ///< as its sectors show it, where enough do
-  double disc_radius_sd = 0, disc_blur = 0;
   Pattern pattern;
   FollowOptions follow;
   AveragedTemplate average;
-  std::vector<PlanStage> plan;
-  std::vector<std::string> warnings;
 };
 
-/// Throws InputError where the part cannot be followed from this frame.
+/// What is found out enters the summary, too. Throws InputError where the part cannot be followed from this
+/// frame.
 PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRange& range,
-                      const Appearance& seen, const TrackOptions& options, double noise_variance);
+                      const Appearance& seen, const TrackOptions& options, double noise_variance,
+                      TrackSummary& summary);
 
 // Pictures of the first pass for debugging.
 
