@@ -210,8 +210,8 @@ void Tracking::measure_edge() {
 /// What a pass says that may have measured the frames again; whether it has.
 bool Tracking::take(PassOutcome pass, const char* from) {
   TrackSummary& summary = result_.summary;
-  add(summary.plan, pass.plan);
-  if (!pass.done) return false;
+  summary.plan.push_back(pass.stage);
+  if (!pass.stage.on) return false;
   audited_ = std::move(pass.audited);
   add(summary.warnings, pass.warnings);
   summary.limit_px = pass.limit_px;

@@ -263,8 +263,8 @@ PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
                        StageClock& clock, double stated, Track& track) {
   const bool coded = source.info().coder.has_value(), turning = turns(first, track);
   PassOutcome out;
-  PlanStage& stage = out.plan.emplace_back(
-      PlanStage{.name = kName, .reason = reason_against(first, options, coded, turning, stated)});
+  PlanStage& stage = out.stage;
+  stage = {.name = kName, .reason = reason_against(first, options, coded, turning, stated)};
   if (!stage.reason.empty()) return out;
   const auto running = clock.enter("edge in bands");
   const auto [frames, places] = seen_frames(track, first.first_index);
@@ -280,14 +280,14 @@ PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   // Pictures of a part that turns hold what turns with it: a difference is their error first. What a lossy
   // coder does moves an edge as well.
   const double of_track = std::max(stated * stated, turning && !coded ? differ : differ - of_edge);
-  stage.on = out.done = of_edge < of_track;
+  stage.on = of_edge < of_track;
   stage.reason = fmt::format(
       "learnt from {} frames: edge at {:.2f} px, blur {:.2f} px, chamfer {:.2f} px; predicted errors: {:.2g} "
       "px by the edge, of "
       "them {:.2g} px slow, {:.2g} px by the part's pictures; they differ by {:.2g} px rms",
       edge.learnt_from, edge.radius, edge.optics.blur, edge.optics.chamfer, change.sd, edge.slow_sd,
       std::sqrt(of_track), change.differ);
-  if (!out.done) return out;
+  if (!stage.on) return out;
   replace(track, places, edge.fixes);
   out.limit_px = change.median_sd;
   out.slow_sd = edge.slow_sd;

@@ -36,10 +36,10 @@ std::string finding(const FirstPassResult& first) {
       first.ground_texture, first.excess, std::sqrt(first.noise_variance));
 }
 
-PassOutcome left_out(std::string reason) {
-  PassOutcome outcome;
-  outcome.plan.push_back({.name = kName, .reason = std::move(reason)});
-  return outcome;
+PassOutcome left_out(std::string reason, std::optional<double> error_bound_px = {}) {
+  PassOutcome out;
+  out.stage = {.name = kName, .reason = std::move(reason), .error_bound_px = error_bound_px};
+  return out;
 }
 
 /// Px that the rotation by rings looks at, with what its interpolation needs.
@@ -62,20 +62,16 @@ bool nothing_to_learn(const FirstPassResult& first, const Track& track) {
          first.excess < kExplained * std::sqrt(first.noise_variance);
 }
 
-/// Why the stage is not even tried.
-std::optional<PlanStage> reason_against(const FirstPassResult& first, const Track& track, Layers layers) {
-  PlanStage stage;
-  stage.name = kName;
-  if (layers == Layers::off) stage.reason = "switched off; " + finding(first);
-  if (first.blur <= 0) stage.reason = "the part has no measured round edge";
-  if (layers == Layers::automatic && first.blur > 0 && nothing_to_learn(first, track)) {
-    stage.error_bound_px = pull_of_ground(first);
-    stage.reason =
-        fmt::format("nothing to learn: {}; through the edge the ground moves a position by {:.2g} px at most",
-                    finding(first), *stage.error_bound_px);
-  }
-  if (stage.reason.empty()) return std::nullopt;
-  return stage;
+/// Where the stage is not even tried, why.
+std::optional<PassOutcome> reason_against(const FirstPassResult& first, const Track& track, Layers layers) {
+  if (first.blur <= 0) return left_out("the part has no measured round edge");
+  if (layers == Layers::off) return left_out("switched off; " + finding(first));
+  if (layers == Layers::on || !nothing_to_learn(first, track)) return std::nullopt;
+  const double pull = pull_of_ground(first);
+  return left_out(
+      fmt::format("nothing to learn: {}; through the edge the ground moves a position by {:.2g} px at most",
+                  finding(first), pull),
+      pull);
 }
 
 /// The ok points that were not measured again move by this, so that both passes refer to the same point of
@@ -200,7 +196,6 @@ void LayeredPass::show() {
 
 PassOutcome LayeredPass::outcome(const Remeasurement& change, std::int64_t kept, const Track& track) {
   PassOutcome out;
-  out.done = true;
   out.limit_px = change.median_sd;
   out.slow_sd = measured_.slow_sd;
   const double duration = track.points.back().time_s - track.points.front().time_s;
@@ -208,17 +203,17 @@ PassOutcome LayeredPass::outcome(const Remeasurement& change, std::int64_t kept,
       measured_.slow_frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
   out.audited = std::move(measured_.audited);
   // Of what the frames tell at a place its share of the ground and the ground there take one frame's each.
-  out.plan.push_back(
-      {.name = kName,
-       .on = true,
-       .reason = fmt::format("{}; learnt from {} frames in {} rounds; {:.4f} px of the errors change slowly; "
-                             "positions moved by "
-                             "{:.4f} px rms; what frames share through the noise of the pictures, some "
-                             "{:.1f} % of a position's "
-                             "variance, is not counted between them",
-                             finding(first_), kept_.size(), learnt_.rounds, measured_.slow_sd, change.differ,
-                             200.0 / static_cast<double>(std::max<std::size_t>(1, kept_.size()))),
-       .error_bound_px = change.differ});
+  out.stage = {
+      .name = kName,
+      .on = true,
+      .reason = fmt::format("{}; learnt from {} frames in {} rounds; {:.4f} px of the errors change slowly; "
+                            "positions moved by "
+                            "{:.4f} px rms; what frames share through the noise of the pictures, some "
+                            "{:.1f} % of a position's "
+                            "variance, is not counted between them",
+                            finding(first_), kept_.size(), learnt_.rounds, measured_.slow_sd, change.differ,
+                            200.0 / static_cast<double>(std::max<std::size_t>(1, kept_.size()))),
+      .error_bound_px = change.differ};
   if (kept > 0)
     out.warnings.push_back(fmt::format(
         "{} frames keep the position of the first pass, in which the ground is seen through the edge "
@@ -246,11 +241,7 @@ int layered_half(double radius, double blur) {
 
 PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                           const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
-  if (auto reason = reason_against(first, track, options.layers)) {
-    PassOutcome outcome;
-    outcome.plan.push_back(std::move(*reason));
-    return outcome;
-  }
+  if (auto against = reason_against(first, track, options.layers)) return *against;
   const SeenFrames seen = seen_frames(track, first.first_index, true);
   if (seen.frames.size() < kFewest)
     return left_out("too few frames to learn the layers from; " + finding(first));

@@ -98,8 +98,7 @@ void replace(Track& track, const std::vector<std::size_t>& places,
 
 /// What a pass that measures the frames again found out, for the track's summary.
 struct PassOutcome {
-  bool done = false;  ///< else the track is as it was, and only the plan is filled
-  std::vector<PlanStage> plan;
+  PlanStage stage;  ///< off: the track is as it was
   std::vector<std::string> warnings;
   double limit_px = 0;                ///< median standard deviation of a coordinate
   double slow_sd = 0, slow_time = 0;  ///< see TrackSummary
