@@ -170,15 +170,14 @@ void Tracking::follow() {
   cache_first_frames(start_);
   first_pass_ = std::make_unique<FirstPass>(frames(), FrameRange{start_, range_.last}, appearance_, camera_,
                                             options_, clock_, result_.summary);
-  coding_.emplace(recording_, first_pass_->result().disc.radius);
-  FramesReadAgain read_again(cache_, first_pass_->result(), options_.layers);
-  const std::int64_t total = first_pass_->result().total;
-  for (std::int64_t k = 0; k < total; ++k) {
+  const FirstPassResult& first = first_pass_->result();
+  coding_.emplace(recording_, first.disc.radius);
+  for (std::int64_t k = 0; k < first.total; ++k) {
     if (const auto seen = first_pass_->step(start_ + k)) {
-      read_again.seen(start_ + k, *seen);
+      cache_.keep(start_ + k, read_again(first, options_.layers, start_ + k, *seen, cache_.bounds()));
       coding_->see(start_ + k, *seen, first_pass_->mark());
     }
-    if (options_.progress) options_.progress((k + 1) / (options_.layers == Layers::off ? 1 : 2), total);
+    if (options_.progress) options_.progress((k + 1) / (options_.layers == Layers::off ? 1 : 2), first.total);
   }
   result_.track = first_pass_->finish();
   if (first_pass_->rim()) ask_if_it_rests(frames(), start_, result_.track, *first_pass_->rim(), options_);

@@ -248,20 +248,14 @@ PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, con
   return LayeredPass(source, seen.frames, first, options, shown, clock).run(seen.places, track);
 }
 
-FramesReadAgain::FramesReadAgain(FrameCache& frames, const FirstPassResult& first, Layers layers)
-    : frames_(frames),
-      first_index_(first.first_index),
-      total_(first.total),
-      layers_(layers != Layers::off && first.blur > 0),
-      reach_(first.texture_seen ? rings_reach(first.disc.radius) : 0) {
-  if (layers_) reach_ = layered_reach(first.disc.radius, first.blur);
-}
-
-void FramesReadAgain::seen(std::int64_t index, const Point& centre) {
-  if (!(reach_ > 0)) return;
-  const bool whole = layers_ && is_learning_frame(index - first_index_, total_);
-  // A later pass may round the centre otherwise.
-  frames_.keep(index, whole ? frames_.bounds() : window_about(centre, reach_ + 1, frames_.bounds()));
+Rect read_again(const FirstPassResult& first, Layers layers, std::int64_t index, const Point& centre,
+                const Rect& bounds) {
+  const bool layered = layers != Layers::off && first.blur > 0;
+  if (!layered && !first.texture_seen) return {};
+  if (layered && is_learning_frame(index - first.first_index, first.total)) return bounds;
+  const double reach =
+      layered ? layered_reach(first.disc.radius, first.blur) : rings_reach(first.disc.radius);
+  return window_about(centre, reach + 1, bounds);  // a later pass may round the centre otherwise
 }
 
 }  // namespace tribotrack::vision

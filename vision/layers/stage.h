@@ -5,14 +5,13 @@
 // turns in it look like motion. This pass keeps a bounded number of windows spread over the recording, learns
 // from them the ground's picture and the part's (model/state.h), and then measures every frame again. Reads
 // the recording forwards, once for what is learnt and once to measure; of a decoded recording mostly what the
-// first pass has cached (FramesReadAgain). Memory does not grow with its length.
+// first pass has cached (read_again()). Memory does not grow with its length.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "vision/audit/halves.h"
-#include "vision/camera/frame_cache.h"
 #include "vision/stages/first_pass_result.h"
 #include "vision/stages/stage_clock.h"
 
@@ -32,19 +31,9 @@ bool is_learning_frame(std::int64_t place, std::int64_t total);
 /// Half width of the part's grid, px: the part with its rim and its shadow.
 int layered_half(double radius, double blur);
 
-/// Caches what the second pass, and the rotation by rings, will read again while the first has it decoded: of
-/// every frame in which the part is seen a window about it, and whole those that the layers are probably
-/// learnt from. Nothing for recordings that are not decoded.
-class FramesReadAgain {
- public:
-  FramesReadAgain(FrameCache& frames, const FirstPassResult& first, Layers layers);
-  void seen(std::int64_t index, const Point& centre);
-
- private:
-  FrameCache& frames_;
-  std::int64_t first_index_, total_;
-  bool layers_;
-  double reach_;
-};
+/// Of a frame in which the part is seen: what the second pass, and the rotation by rings, will read again. A
+/// window about the part, or all of a frame that the layers are probably learnt from; empty for nothing.
+Rect read_again(const FirstPassResult& first, Layers layers, std::int64_t index, const Point& centre,
+                const Rect& bounds);
 
 }  // namespace tribotrack::vision

@@ -73,7 +73,6 @@ FirstPass::FirstPass(FrameSource& source, const FrameRange& range, const Appeara
                      const Camera& camera, const TrackOptions& options, StageClock& clock,
                      TrackSummary& summary)
     : source_(source),
-      range_(range),
       options_(options),
       clock_(clock),
       summary_(summary),
@@ -122,7 +121,7 @@ std::optional<Circle> FirstPass::mark() const {
 FollowStep FirstPass::follow_part(std::int64_t index) {
   auto& points = track_.points;
   FirstPassResult& result = setup_.result;
-  const bool audited = in_audit(index - range_.first, range_.count());
+  const bool audited = in_audit(index - result.first_index, result.total);
   FollowStep step = timed(clock_, "first pass: part", [&] { return part_.step(source_, index, audited); });
   if (step.confirms_previous && tentative_) {
     fill(points[points.size() - 2], result.looks.back(), *tentative_);

@@ -73,7 +73,6 @@ class FirstPass {
   void follow_ground();
 
   FrameSource& source_;
-  FrameRange range_;
   const TrackOptions& options_;
   StageClock& clock_;
   TrackSummary& summary_;
