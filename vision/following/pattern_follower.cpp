@@ -94,13 +94,8 @@ FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool a
       return out;
     }
   }
-  out.status = missing_status(bounds, index);
+  if (state_ == State::left && pattern_.overlaps(bounds, motion_.at(index))) out.status = TrackStatus::edge;
   return out;
-}
-
-TrackStatus PatternFollower::missing_status(const Rect& bounds, std::int64_t index) const {
-  if (state_ != State::left) return TrackStatus::lost;
-  return pattern_.overlaps(bounds, motion_.at(index)) ? TrackStatus::edge : TrackStatus::lost;
 }
 
 Pose PatternFollower::pose_at(const Point& position, std::int64_t index) const {
@@ -195,7 +190,7 @@ std::optional<Sighting> PatternFollower::near(FrameSource& source, std::int64_t 
     if (!s->by_rim) effort_.ended = index;  // a rim alone is not enough of a likeness to end a track by
     return std::optional<Sighting>();
   };
-  if (rim_first())
+  if (rim_ && template_rest_ > 0)
     if (auto s = by_rim(window, index, predicted, reach)) return itself(s);
   Point place = predicted;
   if (auto s = by_template(window, index, predicted, reach, place)) return itself(s);
@@ -211,17 +206,18 @@ std::optional<Sighting> PatternFollower::by_template(const Rect& window, std::in
     return s;
   }
   ++effort_.window_searches;
-  const auto match = best_match(window);
-  if (!match) return refine(window, start, reach);  // perhaps half out of the picture
-  place = *match;
+  const std::vector<Point> best = matches(window, pattern_.reach(), 1);
+  if (best.empty()) return refine(window, start, reach);  // perhaps half out of the picture
+  place = best.front();
   return refine_any_angle(window, pose_at(place, index), kCandidateReach);
 }
 
-/// Where the search template fits best in the window; whole positions only.
-std::optional<Point> PatternFollower::best_match(const Rect& window) {
-  const auto found = matcher_.search(picture_, 0.7 * search_reference_, pattern_.reach(), 1);
-  if (found.empty()) return std::nullopt;
-  return Point{window.x + found[0].x + matcher_offset_x_, window.y + found[0].y + matcher_offset_y_};
+/// Where the search template fits in the window, best first; whole positions only.
+std::vector<Point> PatternFollower::matches(const Rect& window, double separation, int most) const {
+  std::vector<Point> out;
+  for (const Match& m : matcher_.search(picture_, 0.7 * search_reference_, separation, most))
+    out.push_back({window.x + m.x + matcher_offset_x_, window.y + m.y + matcher_offset_y_});
+  return out;
 }
 
 /// Nothing but the rim of the same part will do.
@@ -245,11 +241,7 @@ std::optional<Sighting> PatternFollower::by_rim(const Rect& window, std::int64_t
 /// In the whole frame, which is in `picture_`.
 std::vector<Point> PatternFollower::candidates() {
   ++effort_.whole_frame_searches;
-  std::vector<Point> out;
-  for (const Match& m :
-       matcher_.search(picture_, 0.7 * search_reference_, 0.8 * pattern_.reach(), kMostAlike))
-    out.push_back({m.x + matcher_offset_x_, m.y + matcher_offset_y_});
-  return out;
+  return matches(bounds_of(picture_), 0.8 * pattern_.reach(), kMostAlike);
 }
 
 /// What else looked like the part when the part was last seen.

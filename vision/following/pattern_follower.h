@@ -124,9 +124,8 @@ class PatternFollower {
   std::optional<Sighting> by_template(const Rect& window, std::int64_t index, const Point& predicted,
                                       double reach, Point& place);
   std::optional<Sighting> by_rim(const Rect& window, std::int64_t index, const Point& place, double reach);
-  std::optional<Point> best_match(const Rect& window);
+  std::vector<Point> matches(const Rect& window, double separation, int most) const;
   double own_radius() const;
-  bool rim_first() const { return rim_ && template_rest_ > 0; }
   std::optional<Sighting> refine(const Rect& window, const Pose& start, double max_distance);
   std::optional<Sighting> refine_any_angle(const Rect& window, const Pose& start, double max_distance);
   std::optional<Sighting> search(FrameSource& source, std::int64_t index);
@@ -138,7 +137,6 @@ class PatternFollower {
   double unwrapped(double theta, std::int64_t index) const;
   void accept(std::int64_t index, Sighting& sighting);
   Pose pose_at(const Point& position, std::int64_t index) const;
-  TrackStatus missing_status(const Rect& bounds, std::int64_t index) const;
 
   FollowOptions options_;
   Pattern pattern_;
