@@ -15,6 +15,10 @@ double distance(const A& a, const B& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
+inline bool in_circle(const Circle& c, double x, double y) {
+  return (x - c.x) * (x - c.x) + (y - c.y) * (y - c.y) <= c.radius * c.radius;
+}
+
 /// By so many pixels on every side, as far as `bounds` reach.
 inline Rect grown(const Rect& r, int by, const Rect& bounds) {
   return common({r.x - by, r.y - by, r.width + 2 * by, r.height + 2 * by}, bounds);

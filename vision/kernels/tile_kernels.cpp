@@ -108,6 +108,7 @@ bool take_levels(const Picture& picture, int left, int top, const std::vector<Ti
 TRIBOTRACK_CLONES ForceSums force_sums(const TileArrays& arrays, float a, float b, std::size_t tile,
                                        std::size_t end) {
   const bool turns = !arrays.slope_theta.empty();
+  end = std::min(end, arrays.tiles);
   Lanes fx{}, fy{}, fv{}, f1{}, ft{}, squares{}, weight{}, largest{};
   for (std::size_t i = tile * kTilePixels; i < end * kTilePixels; i += kTile) {
     Lanes v, l, w, x, y;
@@ -140,6 +141,7 @@ TRIBOTRACK_CLONES ForceSums force_sums(const TileArrays& arrays, float a, float 
 }
 
 TRIBOTRACK_CLONES NormalSums normal_sums(const TileArrays& arrays, std::size_t tile, std::size_t end) {
+  end = std::min(end, arrays.tiles);
   return arrays.slope_theta.empty() ? normal_with<4>(arrays, tile, end) : normal_with<5>(arrays, tile, end);
 }
 

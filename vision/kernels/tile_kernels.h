@@ -57,15 +57,11 @@ void sample_tiles(const std::vector<const float*>& corners, std::ptrdiff_t strid
 /// beyond the picture levels and weights become 0. Whether all of them lie in it.
 bool take_levels(const Picture& picture, int left, int top, const std::vector<TilePlace>& tiles, float pivot,
                  std::vector<float>& level, std::vector<float>& weight);
-/// Over the tiles `tile` .. `end` - 1, as the next; the force of a column that is not there is 0.
-ForceSums force_sums(const TileArrays& arrays, float a, float b, std::size_t tile, std::size_t end);
-inline ForceSums force_sums(const TileArrays& arrays, float a, float b) {
-  return force_sums(arrays, a, b, 0, arrays.tiles);
-}
-NormalSums normal_sums(const TileArrays& arrays, std::size_t tile, std::size_t end);
-inline NormalSums normal_sums(const TileArrays& arrays) {
-  return normal_sums(arrays, 0, arrays.tiles);
-}
+/// Over all tiles or `tile` .. `end` - 1, as the next; the force of a column that is not there is 0.
+inline constexpr std::size_t kAllTiles = ~std::size_t{0};
+ForceSums force_sums(const TileArrays& arrays, float a, float b, std::size_t tile = 0,
+                     std::size_t end = kAllTiles);
+NormalSums normal_sums(const TileArrays& arrays, std::size_t tile = 0, std::size_t end = kAllTiles);
 CorrelationSums correlation_sums(const TileArrays& arrays, const std::vector<float>& weight);
 
 // The pixels of a template that fix its position: those whose gradient stands out of the noise.

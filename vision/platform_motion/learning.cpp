@@ -28,12 +28,6 @@ struct Placed {
   double gain = 1, offset = 0;
 };
 
-bool hidden_at(const std::vector<Circle>& hidden, double x, double y) {
-  return std::ranges::any_of(hidden, [&](const Circle& c) {
-    return (x - c.x) * (x - c.x) + (y - c.y) * (y - c.y) <= c.radius * c.radius;
-  });
-}
-
 /// Deviations from `before`, where there is one: outliers from it are left out.
 void add(const Placed& placed, const Rect& place, const Ground* before, float outlier, PlaceSums& sums) {
   const Rect& window = placed.frame->window;
@@ -50,7 +44,7 @@ void add(const Placed& placed, const Rect& place, const Ground* before, float ou
     for (const Circle& c : placed.frame->hidden)
       if (std::abs(y0 + y - c.y) <= c.radius) near.push_back(c);
     for (int x = 0; x < r.width; ++x) {
-      if (!near.empty() && hidden_at(near, x0 + x, y0 + y)) continue;
+      if (std::ranges::any_of(near, [&](const Circle& c) { return in_circle(c, x0 + x, y0 + y); })) continue;
       const int u = r.x - place.x + x, v = r.y - place.y + y;
       const float level = (levels.at(x, y) - offset) * gain;
       const bool known = before && before->seen.at(u, v) > 0;

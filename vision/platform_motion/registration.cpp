@@ -6,6 +6,7 @@
 #include <span>
 
 #include "vision/kernels/dense.h"
+#include "vision/kernels/plane.h"
 #include "vision/kernels/tile_kernels.h"
 
 namespace tribotrack::vision {
@@ -36,9 +37,8 @@ struct WithoutOffset {
 };
 
 bool touches(const Rect& tile, const Circle& c) {
-  const double dx = c.x - std::clamp<double>(c.x, tile.x, tile.x + tile.width - 1);
-  const double dy = c.y - std::clamp<double>(c.y, tile.y, tile.y + tile.height - 1);
-  return dx * dx + dy * dy <= c.radius * c.radius;
+  return in_circle(c, std::clamp<double>(c.x, tile.x, tile.x + tile.width - 1),
+                   std::clamp<double>(c.y, tile.y, tile.y + tile.height - 1));
 }
 
 double counted(const std::vector<float>& weights) {
@@ -84,11 +84,9 @@ bool GroundRegistration::take(const GroundFrame& frame, int whole_x, int whole_y
     const Rect tile{left + places_[t].x, top + places_[t].y, kTile, kTile};
     for (const Circle& c : frame.hidden) {
       if (!touches(tile, c)) continue;
-      for (std::size_t k = 0; k < kTilePixels; ++k) {
-        const double dx = tile.x + static_cast<int>(k % kTile) - c.x,
-                     dy = tile.y + static_cast<int>(k / kTile) - c.y;
-        if (dx * dx + dy * dy <= c.radius * c.radius) shown_[t * kTilePixels + k] = 0;
-      }
+      for (std::size_t k = 0; k < kTilePixels; ++k)
+        if (in_circle(c, tile.x + static_cast<int>(k % kTile), tile.y + static_cast<int>(k / kTile)))
+          shown_[t * kTilePixels + k] = 0;
     }
   }
   arrays_.slope_theta = arrays_.level;

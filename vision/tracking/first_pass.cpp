@@ -7,6 +7,7 @@
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/plane.h"
 #include "vision/tracking/notes.h"
 
 namespace tribotrack::vision {
@@ -210,14 +211,6 @@ void FirstPass::show(const Track& track, const std::vector<ShownFrame>& frames) 
   show_template(setup_, first_, *options_.debug);
   show_first_pass(setup_, first_, track, frames, source_, *options_.debug);
 }
-
-namespace {
-
-bool in_circle(const Circle& c, int x, int y) {
-  return std::hypot(x - c.x, y - c.y) <= c.radius;
-}
-
-}  // namespace
 
 GateLamp::GateLamp(const Circle& circle, const FrameSource& source)
     : circle_(circle), top_(static_cast<float>(source.info().clipping_level())) {
