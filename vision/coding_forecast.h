@@ -14,7 +14,7 @@ namespace tribotrack::vision {
 /// motion faster than 0.2 px a frame were 0.3 steps over the contrast with prediction between frames (0.26
 /// to 0.39; x264, mpeg4), 0.08 with every frame coded by itself (0.06 to 0.10); slow motion is delayed by
 /// up to d0
-/// = 0.71 dead_zone step / contrast (vision/coding/rim_coding.h).
+/// = 0.71 dead_zone step / contrast (vision/coding/coded_errors.h).
 struct CodingForecast {
   double error_px = 0;
   double late_px = 0;

@@ -14,7 +14,6 @@
 #include "vision/camera/picture_watch.h"
 #include "vision/camera/pixels.h"
 #include "vision/coding/coded_errors.h"
-#include "vision/coding/rim_coding.h"
 #include "vision/edge/edge.h"
 #include "vision/edge/radius.h"
 #include "vision/layers/stage.h"

@@ -1,4 +1,4 @@
-#include "vision/coding/rim_coding.h"
+#include "vision/coding/coded_errors.h"
 
 #include <gtest/gtest.h>
 
