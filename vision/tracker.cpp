@@ -17,7 +17,7 @@
 #include "vision/edge/edge.h"
 #include "vision/edge/radius.h"
 #include "vision/layers/stage.h"
-#include "vision/rotation/rotation_track.h"
+#include "vision/rotation/rotation.h"
 #include "vision/stages/stage_clock.h"
 #include "vision/tracking/first_pass.h"
 #include "vision/tracking/notes.h"

@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-#include "vision/formats/cine/source.h"
+#include "vision/formats/cine/cine.h"
 #include "vision/formats/libav/libav.h"
 #include "vision/formats/photron/photron.h"
 #include "vision/formats/pictures/pictures.h"

@@ -9,7 +9,7 @@
 #include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 #include "vision/kernels/parallel.h"
-#include "vision/layers/model/ground.h"
+#include "vision/layers/model/model.h"
 #include "vision/layers/stage.h"
 
 namespace tribotrack::vision {

@@ -193,7 +193,7 @@ Picture ground_levels(const GroundPicture& ground) {
   return level;
 }
 
-/// The model of state.h over a window of the camera.
+/// The model of model.h over a window of the camera.
 Picture predicted(const PartPictures& part, const GroundPicture& ground, const LayeredState& state,
                   const Rect& window) {
   const QuinticSpline level(part.level), share(part.share);

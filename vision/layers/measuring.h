@@ -8,8 +8,7 @@
 
 #include "vision/audit/halves.h"
 #include "vision/frame_source.h"
-#include "vision/layers/model/ground.h"
-#include "vision/layers/model/state.h"
+#include "vision/layers/model/model.h"
 #include "vision/layers/registration/registration.h"
 #include "vision/stages/first_pass_result.h"
 

@@ -3,7 +3,7 @@
 //
 // To a first pass with a single template the ground seen through the rim, the part's shadow and whatever
 // turns in it look like motion. This pass keeps a bounded number of windows spread over the recording, learns
-// from them the ground's picture and the part's (model/state.h), and then measures every frame again. Reads
+// from them the ground's picture and the part's (model/model.h), and then measures every frame again. Reads
 // the recording forwards, once for what is learnt and once to measure; of a decoded recording mostly what the
 // first pass has cached (read_again()). Memory does not grow with its length.
 #pragma once

@@ -1,4 +1,4 @@
-#include "vision/platform_motion/registration.h"
+#include "vision/platform_motion/motion.h"
 
 #include <Eigen/LU>
 #include <algorithm>

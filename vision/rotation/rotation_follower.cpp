@@ -1,4 +1,4 @@
-#include "vision/rotation/rotation_follower.h"
+#include "vision/rotation/rotation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "vision/rotation/rotation_track.h"
+#include "vision/rotation/rotation.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,6 @@
 
 #include "vision/io/levels.h"
 #include "vision/kernels/parallel.h"
-#include "vision/rotation/rotation_follower.h"
 
 namespace tribotrack::vision {
 namespace {

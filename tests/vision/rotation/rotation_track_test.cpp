@@ -1,5 +1,5 @@
 // The rotation of rendered discs against the renderer's own.
-#include "vision/rotation/rotation_track.h"
+#include "vision/rotation/rotation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "vision/formats/cine/header.h"
+#include "vision/formats/cine/cine.h"
 #include "vision/formats/cine/layout.h"
 
 #include <algorithm>
@@ -7,7 +7,6 @@
 #include <numeric>
 #include <string>
 
-#include "vision/formats/cine/p10.h"
 #include "vision/io/files.h"
 #include "vision/picture.h"
 

@@ -1,4 +1,4 @@
-#include "vision/formats/cine/p10.h"
+#include "vision/formats/cine/cine.h"
 
 #include <array>
 

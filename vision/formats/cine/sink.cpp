@@ -1,4 +1,4 @@
-#include "vision/formats/cine/source.h"
+#include "vision/formats/cine/cine.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -7,7 +7,6 @@
 #include <fstream>
 #include <vector>
 
-#include "vision/formats/cine/header.h"
 #include "vision/formats/cine/layout.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"

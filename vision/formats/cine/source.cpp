@@ -1,4 +1,4 @@
-#include "vision/formats/cine/source.h"
+#include "vision/formats/cine/cine.h"
 
 #include <fmt/core.h>
 
@@ -8,8 +8,6 @@
 #include <ctime>
 #include <fstream>
 
-#include "vision/formats/cine/header.h"
-#include "vision/formats/cine/p10.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
 #include "vision/timing/clock.h"

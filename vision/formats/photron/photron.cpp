@@ -10,7 +10,7 @@
 #include <initializer_list>
 #include <string_view>
 
-#include "vision/formats/cine/p10.h"
+#include "vision/formats/cine/cine.h"
 #include "vision/formats/pictures/pictures.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"

@@ -1,4 +1,4 @@
-#include "vision/layers/model/ground.h"
+#include "vision/layers/model/model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,6 @@
 #include "vision/kernels/parallel.h"
 #include "vision/kernels/plane.h"
 #include "vision/kernels/vector_kernels.h"
-#include "vision/layers/model/part.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -1,4 +1,4 @@
-#include "vision/layers/model/part.h"
+#include "vision/layers/model/model.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

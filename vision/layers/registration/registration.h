@@ -1,6 +1,6 @@
 // Where exactly is the part in a frame, its pictures and the ground known?
 //
-// Weighted Gauss-Newton on  sum_x (I(x) - M(x))^2 / (V(u) + (b alpha)^2 var G),  M as in state.h, over c, a,
+// Weighted Gauss-Newton on  sum_x (I(x) - M(x))^2 / (V(u) + (b alpha)^2 var G),  M as in model.h, over c, a,
 // s and b. The gradient with respect to c is
 // -(a (1 + s . u) grad (F - alpha mean G) + b G grad alpha). Pictures are quintic splines shifted against the
 // untouched frame, whose noise stays white. Only pixels that tell something about c take part, in tiles of
@@ -12,9 +12,7 @@
 #include <vector>
 
 #include "vision/audit/halves.h"
-#include "vision/layers/model/ground.h"
-#include "vision/layers/model/part.h"
-#include "vision/layers/model/state.h"
+#include "vision/layers/model/model.h"
 #include "vision/layers/registration/kernels.h"
 
 namespace tribotrack::vision {

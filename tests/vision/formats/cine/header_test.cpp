@@ -1,4 +1,4 @@
-#include "vision/formats/cine/header.h"
+#include "vision/formats/cine/cine.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,10 +1,9 @@
-#include "vision/formats/cine/source.h"
+#include "vision/formats/cine/cine.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "vision/cine_by_hand.h"
-#include "vision/formats/cine/p10.h"
 #include "vision/recordings.h"
 
 namespace tribotrack::vision {

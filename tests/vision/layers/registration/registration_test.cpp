@@ -11,9 +11,7 @@
 #include <vector>
 
 #include "vision/analytic_scene.h"
-#include "vision/layers/model/ground.h"
-#include "vision/layers/model/part.h"
-#include "vision/layers/model/state.h"
+#include "vision/layers/model/model.h"
 
 namespace tribotrack::vision {
 namespace {

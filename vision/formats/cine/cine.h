@@ -1,13 +1,36 @@
-// The header of a Phantom .cine file.
+// Phantom .cine recordings as a source of frames.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "vision/frame_sink.h"
+#include "vision/frame_source.h"
 #include "vision/io/files.h"
 
 namespace tribotrack::vision {
+
+/// Begins with the mark of a .cine file ("CI" and its header's size)?
+bool looks_like_cine(const std::filesystem::path& path);
+
+/// Where its first picture begins, after all tables; 0 where that cannot be read.
+std::uint64_t cine_head_bytes(const std::filesystem::path& path);
+
+/// Memory-mapped: reading a window of an unpacked recording touches only the rows of that window. Packed
+/// 10-bit pixels are handed out as 12-bit linear levels. Times are the camera's stamp of each image where the
+/// file has them, else index / capture rate.
+std::unique_ptr<FrameSource> open_cine(const std::filesystem::path& path, const SourceOptions& options);
+
+/// Version 1 (64-bit offsets), laid out as real cameras do: 8 bit and 12 in 16 bottom-up. Images are numbered
+/// from 0, stamped k / rate after a fixed date, so that the same frames give the same bytes.
+std::unique_ptr<FrameSink> create_cine_sink(const std::filesystem::path& path, const SinkOptions& options);
+
+// The header of a Phantom .cine file.
 
 /// How the pixels of a .cine lie in the file. grey16: 10, 12, 14 or 16 bits, right-aligned in 16.
 enum class CinePixels { grey8, grey16, p10, p12l, bgr24, bgr48 };
@@ -45,5 +68,27 @@ struct CineHeader {
 /// mosaic, JPEG). Source of the layout: the open readers (FFmpeg, PIMS, pycine, hypercine) and real
 /// recordings.
 CineHeader read_cine_header(const MappedFile& file);
+
+// Packed pixels of Phantom recordings: P10 (10 bits, companded) and P12L (12 bits, linear).
+
+/// Pixels are packed without gaps, most significant bit first: four in five bytes (P10), two in three (P12L).
+constexpr std::size_t p10_bytes(std::size_t pixels) {
+  return (pixels * 10 + 7) / 8;
+}
+constexpr std::size_t p12l_bytes(std::size_t pixels) {
+  return (pixels * 12 + 7) / 8;
+}
+
+/// Pixels first .. first + levels.size() - 1 of a packed picture as 12-bit linear levels.
+/// `packed` must hold them all.
+void unpack_p10(std::span<const std::uint8_t> packed, std::size_t first, std::span<float> levels);
+void unpack_p12l(std::span<const std::uint8_t> packed, std::size_t first, std::span<float> levels);
+
+// The companding curve of packed 10-bit Phantom recordings.
+
+/// 12-bit linear level of each of the 1024 codes. The codes follow about the square root of the light, so
+/// that shot noise is a constant number of codes: black (linear 64) is code 64, white (linear 4064) code 1014
+/// to 1015. Measured facts of the format, on which the open readers agree; never falling.
+extern const std::array<std::uint16_t, 1024> p10_linear_levels;
 
 }  // namespace tribotrack::vision
