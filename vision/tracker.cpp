@@ -16,11 +16,11 @@
 #include "vision/coding/coded_errors.h"
 #include "vision/edge/edge.h"
 #include "vision/edge/radius.h"
-#include "vision/layers/stage.h"
+#include "vision/layers/layers.h"
 #include "vision/rotation/rotation.h"
-#include "vision/stages/stage_clock.h"
+#include "vision/stages/stages.h"
 #include "vision/tracking/first_pass.h"
-#include "vision/tracking/notes.h"
+#include "vision/tracking/setup.h"
 
 namespace tribotrack::vision {
 

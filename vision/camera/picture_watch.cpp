@@ -14,7 +14,7 @@
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
 #include "vision/kernels/plane.h"
-#include "vision/stages/first_pass_result.h"
+#include "vision/stages/stages.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -1,6 +1,6 @@
 // What a lossy coder adds to the errors of a track that its own pictures do not show.
 //
-// The scatter of clusters and halves (vision/layers/measuring.h, vision/audit) finds what blocks
+// The scatter of clusters and halves (vision/layers, vision/audit) finds what blocks
 // do to the position each by itself. What all blocks of the rim do together it cannot see. Where a block is
 // predicted from another frame, and the displacement since is not worth coding up to d0 (unnoticed_motion()),
 // the part stays behind: it is seen through a play of half width b, and while it moves its error is b against

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <mutex>
 
-#include "vision/edge/scores.h"
+#include "vision/edge/rays.h"
 #include "vision/kernels/parallel.h"
 
 namespace tribotrack::vision {

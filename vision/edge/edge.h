@@ -3,7 +3,7 @@
 // Levels in frame k along the ray at azimuth phi, s px beyond the rim (RayGrid), are
 //   I_k(phi, s) = M(phi, s) - grad M . d_k + fields + noise,
 // M their mean over frames, d_k how far the centre lies from where the frame was sampled, fields what changes
-// along the ray (optics.h): Gaussian processes that end or begin at the edge, with variances of their own in
+// along the ray (rays.h): Gaussian processes that end or begin at the edge, with variances of their own in
 // each band of time (split_bands()) and each part of the rim. d_k follows by generalised least squares,
 //   d_b = -A_b sum_phi grad M^T S_b^-1 B_b[I - M],  A_b = (sum_phi grad M^T S_b^-1 grad M)^-1,  d = sum_b
 //   d_b,
@@ -18,9 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "vision/edge/optics.h"
-#include "vision/stages/first_pass_result.h"
-#include "vision/stages/stage_clock.h"
+#include "vision/edge/rays.h"
+#include "vision/stages/stages.h"
 #include "vision/track.h"
 #include "vision/tracker.h"
 

@@ -1,4 +1,4 @@
-#include "vision/edge/optics.h"
+#include "vision/edge/rays.h"
 
 #include <algorithm>
 #include <cmath>

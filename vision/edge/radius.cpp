@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "vision/discs/rim_steps.h"
-#include "vision/edge/samples.h"
+#include "vision/edge/rays.h"
 #include "vision/io/levels.h"
 #include "vision/synthesis/camera.h"
 

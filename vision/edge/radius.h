@@ -4,7 +4,7 @@
 // and a circle fitted to the edge has the top's radius; as bright as the top it hides the top's. With w its
 // width
 //   R = R_seen + c,   0 <= c <= w.
-// A ring wider than some three blurs shows in the mean picture's rays, whatever its levels (optics.h): then
+// A ring wider than some three blurs shows in the mean picture's rays, whatever its levels (rays.h): then
 // c is measured. A narrower one cannot be told from the ground. Where w is known c is taken as anything
 // between none of it and all, mean w/2 and sd w/sqrt(12); where it is not, as anything up to the widest that
 // would not show, the wider the less likely (a density that falls linearly): mean w/3, sd w/sqrt(18).
@@ -17,7 +17,7 @@
 #include "vision/discs/disc_detection.h"
 #include "vision/frame_source.h"
 #include "vision/picture.h"
-#include "vision/stages/first_pass_result.h"
+#include "vision/stages/stages.h"
 
 namespace tribotrack::vision {
 

@@ -1,4 +1,4 @@
-#include "vision/edge/samples.h"
+#include "vision/edge/rays.h"
 
 #include <algorithm>
 #include <array>

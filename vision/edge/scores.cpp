@@ -1,10 +1,9 @@
-#include "vision/edge/scores.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "vision/edge/optics.h"
+#include "vision/edge/rays.h"
 #include "vision/kernels/dense.h"
 
 namespace tribotrack::vision {

@@ -22,7 +22,6 @@
 #include "vision/picture.h"
 #include "vision/registration/pattern.h"
 #include "vision/registration/registration.h"
-#include "vision/registration/template_match.h"
 #include "vision/track.h"
 
 namespace tribotrack::vision {

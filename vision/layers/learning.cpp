@@ -1,4 +1,3 @@
-#include "vision/layers/measuring.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +8,8 @@
 #include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 #include "vision/kernels/parallel.h"
+#include "vision/layers/layers.h"
 #include "vision/layers/model/model.h"
-#include "vision/layers/stage.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -1,4 +1,4 @@
-#include "vision/layers/measuring.h"
+#include "vision/layers/layers.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "vision/layers/stage.h"
+#include "vision/layers/layers.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,6 @@
 
 #include "vision/discs/disc_detection.h"
 #include "vision/io/levels.h"
-#include "vision/layers/measuring.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -1,4 +1,4 @@
-#include "vision/registration/template_match.h"
+#include "vision/registration/pattern.h"
 
 #include <algorithm>
 #include <cmath>

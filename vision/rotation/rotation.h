@@ -9,7 +9,7 @@
 
 #include "vision/frame_source.h"
 #include "vision/picture.h"
-#include "vision/stages/first_pass_result.h"
+#include "vision/stages/stages.h"
 #include "vision/track.h"
 
 namespace tribotrack::vision {

@@ -8,9 +8,7 @@
 #include "vision/frame_source.h"
 #include "vision/picture.h"
 #include "vision/platform_motion/motion.h"
-#include "vision/stages/first_pass_result.h"
-#include "vision/stages/stage_clock.h"
-#include "vision/tracking/platform.h"
+#include "vision/stages/stages.h"
 #include "vision/tracking/setup.h"
 
 namespace tribotrack::vision {

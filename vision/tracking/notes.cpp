@@ -1,4 +1,4 @@
-#include "vision/tracking/notes.h"
+#include "vision/tracking/setup.h"
 
 #include <fmt/format.h>
 

@@ -7,8 +7,6 @@
 #include "vision/kernels/dense.h"
 #include "vision/platform_motion/motion.h"
 #include "vision/tags/tags.h"
-#include "vision/tracking/notes.h"
-#include "vision/tracking/platform.h"
 #include "vision/tracking/setup.h"
 
 namespace tribotrack::vision {

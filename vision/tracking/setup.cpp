@@ -12,7 +12,6 @@
 #include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 #include "vision/registration/registration.h"
-#include "vision/tracking/notes.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "vision/discs/disc_detection.h"
-#include "vision/stages/first_pass_result.h"
+#include "vision/stages/stages.h"
 
 namespace tribotrack::vision {
 

@@ -6,8 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "vision/edge/optics.h"
-#include "vision/edge/samples.h"
+#include "vision/edge/rays.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -1,4 +1,4 @@
-#include "vision/layers/stage.h"
+#include "vision/layers/layers.h"
 
 #include <gtest/gtest.h>
 

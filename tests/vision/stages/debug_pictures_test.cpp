@@ -1,6 +1,6 @@
 // What is shown of every stage must be what the stage used: known scenes, their true background, disc and
 // noise.
-#include "vision/stages/first_pass_result.h"
+#include "vision/stages/stages.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The plan is honest: an error bound only where somebody computed it, 0 only where leaving out is exact.
-#include "vision/tracking/notes.h"
+#include "vision/tracking/setup.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

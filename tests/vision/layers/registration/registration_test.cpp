@@ -1,5 +1,5 @@
 #include "vision/layers/registration/registration.h"
-#include "vision/layers/measuring.h"
+#include "vision/layers/layers.h"
 
 #include <gtest/gtest.h>
 

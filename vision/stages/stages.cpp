@@ -1,4 +1,3 @@
-#include "vision/stages/stage_clock.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +6,7 @@
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
-#include "vision/stages/first_pass_result.h"
+#include "vision/stages/stages.h"
 
 namespace tribotrack::vision {
 
