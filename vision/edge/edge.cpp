@@ -43,8 +43,10 @@ class EdgeTracking {
     }
     for (int round = 0; round < kRounds; ++round) {
       sample_learning_frames(round < kSlopeRounds);
-      if (round % kOpticsEvery == 0) learn_optics();
-      learn_weights(round == 0 ? kIterations : kMoreIterations);
+      const std::vector<RaySamples> bands =
+          samples_of_bands(grid_, levels_, options_.noise_variance, block_ends_);
+      if (round % kOpticsEvery == 0) learn_optics(bands.back(), round > 0);
+      learn_weights(bands, round == 0 ? kIterations : kMoreIterations);
       move_learning_frames();
     }
     measure();
@@ -54,8 +56,8 @@ class EdgeTracking {
  private:
   void choose_frames();
   void sample_learning_frames(bool slopes);
-  void learn_optics();
-  void learn_weights(int iterations);
+  void learn_optics(const RaySamples& slow, bool settled);
+  void learn_weights(const std::vector<RaySamples>& bands, int iterations);
   void move_learning_frames();
   void measure();
   void sample(std::size_t k, RaySampler& sampler, const RayLevels& out);
@@ -147,17 +149,19 @@ void EdgeTracking::sample_learning_frames(bool slopes) {
     for (std::size_t j = 0; j < size; ++j) levels_[i * size + j] -= mean_.level[j];
 }
 
-void EdgeTracking::learn_optics() {
-  const RaySamples mean = samples_of_mean(grid_, mean_.level, options_.noise_variance, learning_.size());
-  out_.optics = likeliest_optics(fields_, mean, optics_about(out_.optics, grid_.radius));
+/// By the rays of the mean picture; and once positions have settled by what changes slowly along them, for
+/// that ends at the edge, whatever a chamfer makes of the mean picture.
+void EdgeTracking::learn_optics(const RaySamples& slow, bool settled) {
+  const RaySamples samples[] = {
+      samples_of_mean(grid_, mean_.level, options_.noise_variance, learning_.size()), all_round(slow)};
+  out_.optics = likeliest_optics(fields_, std::span(samples).first(settled ? 2 : 1),
+                                 optics_about(out_.optics, grid_.radius));
   out_.radius = grid_.radius + out_.optics.edge;
   covariances_ = fields_.covariances(out_.optics, RayFields::Beside::whole_part);
 }
 
 /// Variances of the fields in each band and sector, and the weights that follow.
-void EdgeTracking::learn_weights(int iterations) {
-  const std::vector<RaySamples> bands =
-      samples_of_bands(grid_, levels_, options_.noise_variance, block_ends_);
+void EdgeTracking::learn_weights(const std::vector<RaySamples>& bands, int iterations) {
   for (std::size_t b = 0; b < kBands; ++b) {
     for (std::size_t j = 0; j < kSectors; ++j)
       fit_variances(bands[b].covariances[j], covariances_, bands[b].noise_variance, iterations,
@@ -251,7 +255,7 @@ std::string reason_against(const FirstPassResult& first, const TrackOptions& opt
   if (first.blur <= 0) return "the part has no measured round edge";
   if (first.disc.radius < kSmallest) return "the part is too small";
   if (coded && !turning) return "the part does not turn visibly, and lossy compression moves an edge as well";
-  if (stated < kWorth * first.limit_px)
+  if (!turning && stated < kWorth * first.limit_px)
     return fmt::format("the part's pictures give {:.2g} px, noise alone allows {:.2g} px", stated,
                        first.limit_px);
   return {};
@@ -277,9 +281,9 @@ PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   }
   const Remeasurement change = compare(track, places, edge.fixes);
   const double differ = change.differ * change.differ, of_edge = change.sd * change.sd;
-  // Pictures of a part that turns hold what turns with it: a difference is their error first. What a lossy
-  // coder does moves an edge as well.
-  const double of_track = std::max(stated * stated, turning && !coded ? differ : differ - of_edge);
+  // Pictures of a part that turns hold what turns with it, and do not know: what the edge's own errors leave
+  // of the difference is theirs.
+  const double of_track = std::max(stated * stated, differ - of_edge);
   stage.on = of_edge < of_track;
   stage.reason = fmt::format(
       "learnt from {} frames: edge at {:.2f} px, blur {:.2f} px, chamfer {:.2f} px; predicted errors: {:.2g} "

@@ -69,7 +69,7 @@ std::optional<RimOptics> optics_of_mean(FrameSource& source, const std::vector<F
   if (count == 0) return std::nullopt;
   for (float& m : mean) m /= static_cast<float>(count);
   const RaySamples rays = samples_of_mean(grid, mean, noise_variance, count);
-  return likeliest_optics(RayFields(grid, kCell), rays, rings(kWidest * radius, blur),
+  return likeliest_optics(RayFields(grid, kCell), {&rays, 1}, rings(kWidest * radius, blur),
                           RayFields::Beside::chamfer);
 }
 

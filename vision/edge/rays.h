@@ -121,7 +121,7 @@ struct RaySamples {
 };
 
 /// Of the rays of the mean of so many frames, each of that noise: one covariance of all sectors, for the
-/// rim's optics are the same all round, whatever its levels.
+/// rim's optics are the same all round.
 RaySamples samples_of_mean(const RayGrid& grid, const std::vector<float>& mean, double noise_variance,
                            std::size_t frames);
 
@@ -129,9 +129,12 @@ RaySamples samples_of_mean(const RayGrid& grid, const std::vector<float>& mean, 
 std::vector<RaySamples> samples_of_bands(const RayGrid& grid, const std::vector<float>& levels,
                                          double noise_variance, std::span<const std::size_t> block_ends);
 
-/// The rim's optics of greatest likelihood for the rays of the mean picture, which all share them whatever
-/// their levels: from the best of `starts` downhill along the axes.
-RimOptics likeliest_optics(const RayFields& fields, const RaySamples& mean,
+/// One covariance of all sectors.
+RaySamples all_round(const RaySamples& sectors);
+
+/// The rim's optics of greatest likelihood for samples of one covariance each, whose rays all share them
+/// whatever their levels: from the best of `starts` downhill along the axes.
+RimOptics likeliest_optics(const RayFields& fields, std::span<const RaySamples> samples,
                            const std::vector<RimOptics>& starts,
                            RayFields::Beside beside = RayFields::Beside::nothing);
 /// A coarse grid about a circle that is known to a pixel.

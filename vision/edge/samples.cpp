@@ -9,7 +9,7 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr double kAlike = 6;       ///< px of the rim over which fields have like variances
-constexpr double kOfLevels = 0.1;  ///< grey levels^2 of a mean picture that no field explains
+constexpr double kOfLevels = 0.1;  ///< grey levels^2 of a ray's means that no field explains
 constexpr int kIterations = 20;    ///< of the variances, for each optics tried
 constexpr double kEdgeReach = 1.25, kCoarse = 0.5, kFine = 0.1;  ///< px about the circle given; steps
 constexpr double kSharpest = 0.4;                                ///< px: a pixel alone blurs by 0.29
@@ -52,26 +52,28 @@ std::vector<Eigen::MatrixXd> mean_products(const RayGrid& grid, const std::vecto
 }
 
 /// -2 log of the likelihood of a rim's optics, per ray.
-double cost_of(const RayFields& fields, const RimOptics& optics, const RaySamples& mean,
+double cost_of(const RayFields& fields, const RimOptics& optics, std::span<const RaySamples> samples,
                RayFields::Beside beside) {
   const std::vector<Eigen::MatrixXd> pieces = fields.covariances(optics, beside);
   double sum = 0;
-  for (const Eigen::MatrixXd& c : mean.covariances) {
+  for (const RaySamples& sample : samples) {
     Eigen::VectorXd start;
-    sum += fit_variances(c, pieces, mean.noise_variance, kIterations, start);
+    sum += fit_variances(sample.covariances.front(), pieces, sample.noise_variance, kIterations, start);
   }
-  return sum / static_cast<double>(mean.covariances.size());
+  return sum;
 }
 
 }  // namespace
 
+RaySamples all_round(const RaySamples& sectors) {
+  Eigen::MatrixXd sum = sectors.covariances.front();
+  for (std::size_t j = 1; j < kSectors; ++j) sum += sectors.covariances[j];
+  return {{sum / kSectors}, sectors.noise_variance + kOfLevels};
+}
+
 RaySamples samples_of_mean(const RayGrid& grid, const std::vector<float>& mean, double noise_variance,
                            std::size_t frames) {
-  RaySamples out{mean_products(grid, mean, 1), noise_variance / static_cast<double>(frames) + kOfLevels};
-  for (std::size_t j = 1; j < kSectors; ++j) out.covariances[0] += out.covariances[j];
-  out.covariances[0] /= kSectors;
-  out.covariances.resize(1);
-  return out;
+  return all_round({mean_products(grid, mean, 1), noise_variance / static_cast<double>(frames)});
 }
 
 std::vector<RaySamples> samples_of_bands(const RayGrid& grid, const std::vector<float>& levels,
@@ -92,13 +94,13 @@ std::vector<RimOptics> optics_about(const RimOptics& start, double radius) {
   return out;
 }
 
-RimOptics likeliest_optics(const RayFields& fields, const RaySamples& mean,
+RimOptics likeliest_optics(const RayFields& fields, std::span<const RaySamples> samples,
                            const std::vector<RimOptics>& starts, RayFields::Beside beside) {
   RimOptics best = starts.front();
   double least = std::numeric_limits<double>::infinity();
   const auto improves = [&](const RimOptics& trial) {
     if (trial.blur < kSharpest || trial.chamfer < 0) return false;
-    const double cost = cost_of(fields, trial, mean, beside);
+    const double cost = cost_of(fields, trial, samples, beside);
     if (!(cost < least)) return false;
     least = cost;
     best = trial;

@@ -42,24 +42,28 @@ Eigen::Matrix2d take_out(const BandWeights& weights, const Eigen::Vector2d& shif
   return weights.shift_per_score * sum * weights.shift_per_score.transpose() * (kSectors / (kSectors - 2.0));
 }
 
-/// How much more than independent sectors the scores left of a band vary in the azimuthal orders next to that
-/// of a shift, which cannot be seen apart from it.
+/// How much more than independent sectors the scores left of a band vary in the azimuthal order of a shift,
+/// which cannot be seen: by the orders next to it, whose powers are interpolated geometrically. A level that
+/// changes beside an edge that is not quite where it is taken to be shows as order 0.
 double low_order_excess(const Bands& bands, std::size_t band, std::size_t frames) {
-  double low = 0, white = 0;
+  double round = 0, low = 0, white = 0;
   for (std::size_t i = 0; i < frames; ++i) {
     const float* z = of_band(bands, band, i);
-    for (const int order : {2, 3}) {
-      Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-      for (std::size_t j = 0; j < kSectors; ++j) {
-        const double phi = 2 * std::numbers::pi * (static_cast<double>(j) + 0.5) / kSectors;
-        const double radial = z[2 * j] * std::cos(phi) + z[2 * j + 1] * std::sin(phi);
-        sum += radial * Eigen::Vector2d(std::cos(order * phi), std::sin(order * phi));
-        white += 0.5 * radial * radial;
-      }
-      low += 0.5 * sum.squaredNorm();
+    std::array<Eigen::Vector2d, 4> sum;
+    sum.fill(Eigen::Vector2d::Zero());
+    for (std::size_t j = 0; j < kSectors; ++j) {
+      const double phi = 2 * std::numbers::pi * (static_cast<double>(j) + 0.5) / kSectors;
+      const double radial = z[2 * j] * std::cos(phi) + z[2 * j + 1] * std::sin(phi);
+      for (const int order : {0, 2, 3})
+        sum[static_cast<std::size_t>(order)] +=
+            radial * Eigen::Vector2d(std::cos(order * phi), std::sin(order * phi));
+      white += radial * radial;
     }
+    round += sum[0].squaredNorm();
+    low += 0.5 * (sum[2].squaredNorm() + sum[3].squaredNorm());
   }
-  return low > white ? low / white : 1;
+  const double most = std::max({white, low, std::sqrt(round * low)});
+  return white > 0 ? most / white : 1;
 }
 
 /// Frames over which the slow band stays alike: where its correlation has fallen to 1 / e.
