@@ -12,6 +12,7 @@
 #include "apps/files/tracks/any_track.h"
 #include "apps/measuring/measure_text.h"
 #include "apps/measuring/measure_track.h"
+#include "apps/program/called.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
@@ -37,29 +38,38 @@ void check_output(const MeasureOptions& options) {
   require_writable({{options.output}}, {options.track, options.track + ".meta.json"});
 }
 
+/// A file's, or the one that the caller has in memory.
+Track track_of(const MeasureOptions& options, const Context& context) {
+  if (!context.called || context.called->input.is_null())
+    return read_any_track(options.track, options.reading);
+  const Json& given = context.called->input;
+  return track_of_text(options.track, given["csv"],
+                       given.contains("meta") ? std::optional(given["meta"]) : std::nullopt);
+}
+
 void measure_command(const MeasureOptions& options, Context& context) {
   check_output(options);
   const TrackReading& reading = options.reading;
   for (const auto& [flag, value] :
        {std::pair{"--mm-per-px", reading.mm_per_px}, std::pair{"--fps", reading.frame_rate_hz}})
     if (value && !(*value > 0)) throw UsageError(fmt::format("{} must be greater than 0", flag));
-  const Track track = read_any_track(options.track, reading);
+  const Track track = track_of(options, context);
   if (!track.imported.empty())
     for (const std::string& warning : track.warnings) say(context.quiet, "note: " + warning);
   const TrackMeasurement result = measure_track(options.track, track, options.choices);
-  if (!options.output.empty()) {
+  if (context.called) {
+    context.called->object = result.json;
+  } else if (!options.output.empty()) {
     MetaFile meta;
     meta.command = "measure";
     meta.inputs = track.inputs;
     meta.configuration = result.configuration;
     write_result(options.output, text_of(result.json), meta);
   }
-  if (!is_standard_output(options.output))
+  if (!is_standard_output(options.output) && !context.called)
     print_text(options.json ? text_of(result.json) : measurement_text(result.json));
   for (const auto& warning : result.warnings) say(context.quiet, "warning: " + warning);
-  if (result.failure.empty()) return;
-  complain(result.failure);
-  context.exit_code = kQualityGate;
+  if (!result.failure.empty()) context.doubt(kQualityGate, result.failure);
 }
 
 }  // namespace

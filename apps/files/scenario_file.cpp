@@ -152,9 +152,11 @@ const Keys<ScenarioFile>& run_parameters() {
       {"velocity_y_mm_s", Kind::number, velocity<1>, "",
        "Initial velocity relative to the platform (start = rest)"},
       {"cycles", Kind::above_zero, at<scenario, &S::cycles>, "", "Platform cycles to simulate"},
-      {"spin_rad_s", Kind::number, at<scenario, &S::spin, &model::Spin::rate>, ""},
-      {"radius_mm", Kind::above_zero, milli<scenario, &S::spin, &model::Spin::radius>, ""},
-      {"spin_inertia", Kind::above_zero, at<scenario, &S::spin, &model::Spin::inertia>, ""},
+      {"spin_rad_s", Kind::number, at<scenario, &S::spin, &model::Spin::rate>, "",
+       "Spin of a disc that slides freely"},
+      {"radius_mm", Kind::above_zero, milli<scenario, &S::spin, &model::Spin::radius>, "", "Its radius"},
+      {"spin_inertia", Kind::above_zero, at<scenario, &S::spin, &model::Spin::inertia>, "",
+       "Its moment of inertia over m r^2"},
   };
   return keys;
 }

@@ -14,8 +14,9 @@
 namespace tribotrack::apps {
 
 /// How progress is shown: on a terminal one line that is rewritten ten times a second; elsewhere, and where
-/// TERM=dumb or NO_COLOR, a plain line every 10 s, so that short work says nothing.
-enum class ProgressStyle { none, plain, rewritten };
+/// TERM=dumb or NO_COLOR, a plain line every 10 s, so that short work says nothing. For a program that asks
+/// by TRIBOTRACK_PROGRESS=json a line {"progress": TEXT, "percent": NUMBER} ten times a second.
+enum class ProgressStyle { none, plain, rewritten, json };
 ProgressStyle progress_style(bool quiet);
 
 /// One line of progress, shown no more often than its style allows, and taken away at the end.
@@ -27,7 +28,7 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
   /// May a line be shown now? `last`: nothing comes after it.
   bool is_due(bool last) const;
-  void show(std::string_view line);
+  void show(std::string_view line, int percent);
   void clear();            ///< what comes next begins at the margin
   double seconds() const;  ///< since it was made
 
