@@ -203,9 +203,8 @@ void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& c
   std::map<std::string, Progress> progress;  // of each stage
   options.progress = [&](const char* name, std::size_t done, std::size_t total) {
     const std::string stage = std::string("fit, ") + name;
-    progress.try_emplace(stage, stage, context.quiet)
+    progress.try_emplace(stage, stage, context)
         .first->second.update(static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
-    context.tell(stage, static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
   };
   const fit::Problem problem = problem_of(campaign, fitted.runs, fitted.conditions);
   fitted.result = fit::estimate(problem, options);

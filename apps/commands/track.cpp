@@ -198,11 +198,8 @@ void hand_over(const Recording& recording, Called& called) {
 /// Tracks, writes what was asked for, and says how it went.
 void track_and_write(const TrackCommandOptions& options, Recording recording, double started,
                      Context& context) {
-  std::optional<Progress> progress(std::in_place, "track", context.quiet, "frames");
-  recording.options.progress = [&](std::int64_t done, std::int64_t total) {
-    progress->update(done, total);
-    context.tell("track", done, total);
-  };
+  std::optional<Progress> progress(std::in_place, "track", context, "frames");
+  recording.options.progress = [&](std::int64_t done, std::int64_t total) { progress->update(done, total); };
   recording = tracked(std::move(recording), options.output, context);
   progress.reset();
   auto& times = recording.result.stage_times;

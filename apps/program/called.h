@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "apps/text/json.h"
+#include "fit/json.h"
 #include "vision/frame_source.h"
 
 namespace tribotrack::apps {
@@ -19,12 +19,12 @@ struct Called {
   // Given.
   std::function<std::shared_ptr<vision::FrameSource>(double frame_rate_hz)> frames;  ///< of `track`
   /// A campaign's structure, or {"csv", "meta"}: the text of a track and the object of its meta file.
-  Json input;
+  fit::Json input;
 
   // Results.
   using Column = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<const char*>>;
   std::vector<std::pair<std::string, Column>> columns;  ///< NaN: no value
-  Json object;
+  fit::Json object;
   std::vector<std::string> doubts;  ///< why the results should not be used as they are
 };
 

@@ -131,7 +131,7 @@ void ProgressLine::show(std::string_view line, int percent) {
   const std::string shown = printable(line);
   const std::string text = style_ == ProgressStyle::rewritten ? "\r\033[K" + shown
                            : style_ == ProgressStyle::json
-                               ? Json{{"progress", shown}, {"percent", percent}}.dump() + "\n"
+                               ? fit::Json{{"progress", shown}, {"percent", percent}}.dump() + "\n"
                                : shown + "\n";
   std::fputs(text.c_str(), to_);
   std::fflush(to_);
@@ -149,10 +149,14 @@ std::string progress_text(std::int64_t done, std::int64_t total, const std::stri
   return text + fmt::format(", {:.0f} s left", static_cast<double>(total - done) / rate);
 }
 
-Progress::Progress(std::string what, bool quiet, std::string unit)
-    : what_(std::move(what)), unit_(std::move(unit)), line_(progress_style(quiet)) {}
+Progress::Progress(std::string what, const Context& context, std::string unit)
+    : what_(std::move(what)),
+      unit_(std::move(unit)),
+      context_(context),
+      line_(progress_style(context.quiet)) {}
 
 void Progress::update(std::int64_t done, std::int64_t total) {
+  context_.tell(what_, done, total);
   if (total <= 0) return;
   const std::lock_guard lock(mutex_);
   if (line_.is_due(done >= total))

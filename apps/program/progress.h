@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/program/context.h"
+
 namespace tribotrack::apps {
 
 /// How progress is shown: on a terminal one line that is rewritten ten times a second; elsewhere, and where
@@ -42,14 +44,15 @@ class ProgressLine {
 /// "4000/20000 (20 %), 812 frames/s, 20 s left"; `unit` may be empty.
 std::string progress_text(std::int64_t done, std::int64_t total, const std::string& unit, double seconds);
 
-/// Work that is counted. Thread-safe.
+/// Work that is counted, told to whoever the context names as well. Thread-safe.
 class Progress {
  public:
-  Progress(std::string what, bool quiet, std::string unit = "");
+  Progress(std::string what, const Context& context, std::string unit = "");
   void update(std::int64_t done, std::int64_t total);
 
  private:
   std::string what_, unit_;
+  const Context& context_;
   std::mutex mutex_;
   ProgressLine line_;
 };

@@ -257,13 +257,12 @@ void put(const std::vector<Solution>& solutions, std::vector<double>& alpha, std
 
 SweptModel solve(const Sweep& sweep, const Context& context) {
   require_valid(sweep);
-  Progress progress("sweep", context.quiet);
+  Progress progress("sweep", context);
   model::BatchOptions options;
   options.steady = true;
   options.threads = threads_to_use(context);
   options.progress = [&](std::size_t done, std::size_t total) {
     progress.update(static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
-    context.tell("sweep", static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
   };
   const model::BatchOutcome outcome = model::solve_batch(
       sweep.count(), [&sweep](std::size_t index) { return sweep.scenario(index); }, options);
