@@ -159,19 +159,6 @@ double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-bool in_memory(const Context& context) {
-  return context.called && context.called->frames;
-}
-
-Recording tracked(Recording recording, const std::string& output, const Context& context) {
-  if (!in_memory(context))
-    return tracked(std::move(recording),
-                   output.empty() ? std::nullopt : std::optional<std::filesystem::path>(output));
-  if (!recording.camera.frame_rate_hz) throw UsageError("frames in memory have no frame rate: give --fps");
-  const auto frames = context.called->frames(*recording.camera.frame_rate_hz);
-  return tracked(std::move(recording), frames);
-}
-
 /// To the caller: the table column by column, and what stands in its meta file.
 void hand_over(const Recording& recording, Called& called) {
   std::vector<std::int64_t> frames;
@@ -200,7 +187,9 @@ void track_and_write(const TrackCommandOptions& options, Recording recording, do
                      Context& context) {
   std::optional<Progress> progress(std::in_place, "track", context, "frames");
   recording.options.progress = [&](std::int64_t done, std::int64_t total) { progress->update(done, total); };
-  recording = tracked(std::move(recording), options.output, context);
+  recording = apps::tracked(std::move(recording), options.output.empty()
+                                                      ? std::nullopt
+                                                      : std::optional<std::filesystem::path>(options.output));
   progress.reset();
   auto& times = recording.result.stage_times;
   times.insert(times.begin(), {"starting", started});
@@ -262,7 +251,11 @@ void track_command(const TrackCommandOptions& options, Context& context) {
   if (!options.campaign.empty()) return track_run(options, started, context);
   if (options.input.empty()) throw CLI::RequiredError("INPUT, or --campaign with --run,");
   Recording recording = recording_of(options);
-  check_outputs(options, inputs_of(options, in_memory(context)));
+  if (context.called && context.called->frames) {
+    if (!recording.camera.frame_rate_hz) throw UsageError("frames in memory have no frame rate: give --fps");
+    recording.source = context.called->frames(*recording.camera.frame_rate_hz);
+  }
+  check_outputs(options, inputs_of(options, recording.source != nullptr));
   recording.options.threads = threads_to_use(context);
 
   std::optional<vision::DebugFolder> debug;
@@ -271,8 +264,7 @@ void track_command(const TrackCommandOptions& options, Context& context) {
     debug.emplace(options.debug);
     recording.options.debug = &*debug;
   }
-  recording = in_memory(context) ? checked_in_memory(std::move(recording)) : checked(std::move(recording));
-  track_and_write(options, std::move(recording), started, context);
+  track_and_write(options, checked(std::move(recording)), started, context);
 }
 
 /// What only a recording named by itself can be told: a campaign says it for its runs.
