@@ -66,6 +66,10 @@ bool is_printed(const std::string& output, bool json) {
   return printed;
 }
 
+void check_output(const std::string& output, bool json, const std::vector<std::filesystem::path>& inputs) {
+  if (!output.empty() && !is_printed(output, json)) require_writable({{output}}, inputs);
+}
+
 void add_angle(CLI::App& command, const std::string& flag, std::optional<double>& value,
                const std::string& help) {
   add_parsed(command, flag, value, help, parse_angle,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ void add_number(CLI::App& command, const std::string& flag, std::optional<double
 
 /// Does a result go to standard output? Throws UsageError where the object of --json would go there, too.
 bool is_printed(const std::string& output, bool json);
+/// The same, and refuses an output, if there is one, that cannot be written or would replace an input.
+void check_output(const std::string& output, bool json, const std::vector<std::filesystem::path>& inputs);
 
 /// At the end of the help of `run` and `fit`.
 inline constexpr const char* kOfSds =

@@ -33,11 +33,6 @@ struct MeasureOptions {
   bool json = false;
 };
 
-void check_output(const MeasureOptions& options) {
-  if (options.output.empty() || is_printed(options.output, options.json)) return;
-  require_writable({{options.output}}, {options.track, options.track + ".meta.json"});
-}
-
 /// A file's, or the one that the caller has in memory.
 Track track_of(const MeasureOptions& options, const Context& context) {
   if (!context.called || context.called->input.is_null())
@@ -48,7 +43,7 @@ Track track_of(const MeasureOptions& options, const Context& context) {
 }
 
 void measure_command(const MeasureOptions& options, Context& context) {
-  check_output(options);
+  check_output(options.output, options.json, {options.track, options.track + ".meta.json"});
   const TrackReading& reading = options.reading;
   for (const auto& [flag, value] :
        {std::pair{"--mm-per-px", reading.mm_per_px}, std::pair{"--fps", reading.frame_rate_hz}})

@@ -84,17 +84,9 @@ void hand_over(const model::Trajectory& trajectory, int samples_per_cycle, const
   context.called->object = simulation_json(trajectory);
 }
 
-/// One output, by name or standard output, and a scenario file that it must not replace.
-void check_output(const std::string& output, const std::string& scenario, bool json) {
-  if (is_printed(output, json)) return;
-  std::vector<std::filesystem::path> inputs;
-  if (!scenario.empty()) inputs.emplace_back(scenario);
-  require_writable({{output}}, inputs);
-}
-
 void simulate(const SimulateOptions& options, const Context& context) {
   const ScenarioFile file = scenario_of(options.given);
-  if (!options.output.empty()) check_output(options.output, options.given.file, options.json);
+  check_output(options.output, options.json, {options.given.file});
   if (!options.output.empty() || context.called)
     require_sensible_table(context.called ? "simulate" : options.output, file.scenario,
                            file.samples_per_cycle);
@@ -202,7 +194,7 @@ void run_sweep(const SweepOptions& options, const Context& context) {
   const ScenarioFile base = base_of(options.given);
   const auto& texts = options.over.empty() ? base.over : options.over;
   const Sweep sweep(base, sweep_axes(texts));
-  if (!context.called) check_output(options.output, options.given.file, options.json);
+  check_output(options.output, options.json, {options.given.file});
   const SweptModel solved = solve(sweep, context);
   if (context.called) return hand_over(sweep, solved, *context.called);
   if (options.json) print_text(text_of(lists_of(sweep, solved)));

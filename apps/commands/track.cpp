@@ -215,15 +215,6 @@ void track_and_write(const TrackCommandOptions& options, Recording recording, do
     context.doubt(kQualityGate, failure);
 }
 
-/// Not those of the campaign's other runs: a campaign has a job for each, and each would look at all.
-std::vector<std::filesystem::path> inputs_of(const Campaign& campaign, const CampaignRun& run) {
-  std::vector<std::filesystem::path> inputs = {campaign.file};
-  for (const auto& file : {run.video, run.track, run.scope, campaign.camera.calibration})
-    if (file)
-      for (const std::filesystem::path& one : files_of_input(*file)) inputs.push_back(one);
-  return inputs;
-}
-
 /// As `run` does it: the bytes of the track are the same, unless --frames asks for some only.
 void track_run(const TrackCommandOptions& options, double started, Context& context) {
   if (options.run.empty()) throw CLI::RequiredError("--run NAME");
@@ -234,7 +225,8 @@ void track_run(const TrackCommandOptions& options, double started, Context& cont
   if (options.choices.first_frame) run.first_frame = options.choices.first_frame;
   if (options.choices.last_frame) run.last_frame = options.choices.last_frame;
   run.frame_step = options.choices.frame_step.value_or(run.frame_step);
-  check_outputs(options, inputs_of(campaign, run));
+  // Not those of the campaign's other runs: a campaign has a job for each, and each would look at all.
+  check_outputs(options, campaign.input_files({run}));
   leaving_word(run, options.output, [&] {
     if (!run.video) {
       import_track(*run.track, run.reading, options.output);
@@ -248,6 +240,7 @@ void track_run(const TrackCommandOptions& options, double started, Context& cont
 
 void track_command(const TrackCommandOptions& options, Context& context) {
   const double started = cpu_seconds();
+  if (options.output.empty() && !context.called) throw UsageError("the output file has no name");
   if (!options.campaign.empty()) return track_run(options, started, context);
   if (options.input.empty()) throw CLI::RequiredError("INPUT, or --campaign with --run,");
   Recording recording = recording_of(options);

@@ -23,29 +23,19 @@ std::optional<TomlKind> kind_of(const StrictTable& top) {
   return std::nullopt;
 }
 
-const char* name_of(TomlKind kind) {
-  return kind == TomlKind::campaign ? "campaign" : kind == TomlKind::scenario ? "scenario" : "scene";
-}
-
-std::string command_for(TomlKind kind, const std::string& file) {
-  switch (kind) {
-    case TomlKind::campaign:
-      return fmt::format("`tribotrack run {} -o DIR` takes it", file);
-    case TomlKind::scenario:
-      return fmt::format("`tribotrack simulate {}` takes it", file);
-    case TomlKind::scene:
-      break;
-  }
-  return fmt::format("`tribotrack synth {} -o VIDEO` takes it", file);
-}
+/// What a file is, and the command that takes it; in the order of TomlKind.
+constexpr std::pair<const char*, const char*> kKinds[] = {
+    {"campaign", "run {} -o DIR"}, {"scenario", "simulate {}"}, {"scene", "synth {} -o VIDEO"}};
 
 }  // namespace
 
 void require_kind(const StrictTable& top, TomlKind wanted, const std::string& file) {
   const auto kind = kind_of(top);
-  if (kind && *kind != wanted)
-    throw InvalidInput(fmt::format("{}: is a {}, not a {}; {}", file, name_of(*kind), name_of(wanted),
-                                   command_for(*kind, file)));
+  if (!kind || *kind == wanted) return;
+  const auto& [name, command] = kKinds[static_cast<int>(*kind)];
+  throw InvalidInput(fmt::format("{}: is a {}, not a {}; `tribotrack {}` takes it", file, name,
+                                 kKinds[static_cast<int>(wanted)].first,
+                                 fmt::format(fmt::runtime(command), file)));
 }
 
 namespace {
