@@ -30,7 +30,8 @@ std::string value_text(const std::string& name, const Json& value, const Json& s
 std::string measurement_text(const Json& json, const std::string& within) {
   std::string text;
   for (const auto& [name, value] : json.items()) {
-    if (name.ends_with("_sd") || name == "warnings" || name == "cov_dx_dy_mm2") continue;
+    const bool empty = value == "" || (value.is_structured() && value.empty());
+    if (empty || name.ends_with("_sd") || name == "warnings" || name == "cov_dx_dy_mm2") continue;
     const std::string place = within.empty() ? name : within + " " + name;
     if (value.is_object()) {
       text += measurement_text(value, place);

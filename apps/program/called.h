@@ -24,7 +24,7 @@ struct Called {
   // Results.
   using Column = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<const char*>>;
   std::vector<std::pair<std::string, Column>> columns;  ///< NaN: no value
-  fit::Json object;
+  fit::Json object = fit::Json::object();
   std::vector<std::string> doubts;  ///< why the results should not be used as they are
 };
 
