@@ -1,6 +1,8 @@
 // Progress says how far the work is, how fast, and how long it still takes.
 #include <gmock/gmock.h>
 
+#include <cstdlib>
+
 #include "apps/program.h"
 #include "apps/program/progress.h"
 
@@ -26,6 +28,14 @@ TEST_F(Streams, WhatAFileHoldsDoesNotControlTheTerminal) {
     EXPECT_EQ(outcome.err.find('\x1b'), std::string::npos) << command;
   }
   EXPECT_NE(run("fit c.toml -o f.json").err.find("?[2J"), std::string::npos);
+}
+
+TEST_F(Streams, ProgressForAProgramIsALineOfJson) {
+  ::setenv("TRIBOTRACK_PROGRESS", "json", 1);
+  const Outcome outcome = run("sweep --over phi_rad=0:6:4 -o s.csv");
+  ::unsetenv("TRIBOTRACK_PROGRESS");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.err.find("{\"progress\":\"sweep: "), std::string::npos) << outcome.err;
 }
 
 }  // namespace
