@@ -1,8 +1,6 @@
 // Progress says how far the work is, how fast, and how long it still takes.
 #include <gmock/gmock.h>
 
-#include <cstdlib>
-
 #include "apps/program.h"
 #include "apps/program/progress.h"
 
@@ -31,9 +29,7 @@ TEST_F(Streams, WhatAFileHoldsDoesNotControlTheTerminal) {
 }
 
 TEST_F(Streams, ProgressForAProgramIsALineOfJson) {
-  ::setenv("TRIBOTRACK_PROGRESS", "json", 1);
-  const Outcome outcome = run("sweep --over phi_rad=0:6:4 -o s.csv");
-  ::unsetenv("TRIBOTRACK_PROGRESS");
+  const Outcome outcome = run("sweep --over phi_rad=0:6:4 -o s.csv", "TRIBOTRACK_PROGRESS=json ");
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_NE(outcome.err.find("{\"progress\":\"sweep: "), std::string::npos) << outcome.err;
 }
