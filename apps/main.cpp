@@ -133,11 +133,13 @@ int run_program(int argc, const char* const* argv) {
       print_error(app.help());
       return kUsage;
     }
-    parse(app, typed);
+    try {
+      parse(app, typed);
+    } catch (const CLI::ParseError& error) {
+      return print_help(app, error);
+    }
     flush_output();
     return context.exit_code;
-  } catch (const CLI::ParseError& error) {
-    return print_help(app, error);
   } catch (const std::exception& error) {
     return complain_of(error);
   }
