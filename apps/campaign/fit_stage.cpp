@@ -203,9 +203,8 @@ void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& c
   std::map<std::string, Progress> progress;  // of each stage
   options.progress = [&](const char* name, std::size_t done, std::size_t total) {
     const std::string stage = std::string("fit, ") + name;
-    progress.try_emplace(stage, stage, context.quiet)
+    progress.try_emplace(stage, stage, context)
         .first->second.update(static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
-    context.tell(stage, static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
   };
   const fit::Problem problem = problem_of(campaign, fitted.runs, fitted.conditions);
   fitted.result = fit::estimate(problem, options);
@@ -253,9 +252,8 @@ std::string as_described(const fit::FitResult& result) {
 }
 
 /// Why a fit is unusable, and what to do: one sentence for each thing the data do not determine, and the run
-/// to film next. Empty for a usable one.
+/// to film next.
 std::vector<std::string> remedies(const fit::FitResult& result) {
-  if (result.usable()) return {};
   std::vector<std::string> sentences = result.identifiability.weak_directions;
   if (result.next_experiment) sentences.push_back(result.next_experiment->sentence);
   for (const fit::NextExperiment& next : result.other_next_experiments)
@@ -265,40 +263,28 @@ std::vector<std::string> remedies(const fit::FitResult& result) {
 
 }  // namespace
 
-std::vector<Reservation> reservations(const Campaign& campaign, const FittedCampaign& fitted,
-                                      const std::string& look_at) {
-  const fit::FitResult& result = fitted.result;
-  std::vector<Reservation> found;
-  if (result.coder_exceeds_interval())
-    found.push_back(
-        {kQualityGate, fmt::format("{}: {}", campaign.file.string(), coding_sentence(result)), {}});
-  if (!result.quoted_under.empty())
-    found.push_back(
-        {kQualityGate,
-         fmt::format("{}: the data reject the campaign as it is described ({}); these values hold "
-                     "under {}; as described: {}",
-                     campaign.file.string(),
-                     fmt::format("chi2 {:.4g} at {} degrees of freedom", result.chi2, result.dof),
-                     fmt::format("{}", fmt::join(result.quoted_under, ", and ")), as_described(result)),
-         {}});
-  if (!result.usable())
-    found.push_back({kFitUnusable,
-                     fmt::format("{}: do not use these values: {}; see {}", campaign.file.string(),
-                                 fmt::format("{}", fmt::join(result.verdict_reasons, "; ")), look_at),
-                     remedies(result)});
-  return found;
-}
-
 void report_fit(const Campaign& campaign, const FittedCampaign& fitted, bool explain,
                 const std::string& look_at, Context& context) {
-  say(context.quiet, explain ? fitted.result.full_report() : fitted.result.brief_report());
+  const fit::FitResult& result = fitted.result;
+  say(context.quiet, explain ? result.full_report() : result.brief_report());
   if (explain) say(context.quiet, conditions_text(fitted.conditions.pooled) + costs_text(fitted.json));
   for (const Json& warning : fitted.json["warnings"])
     say(context.quiet, "warning: " + warning.get<std::string>());
-  for (const Reservation& reservation : reservations(campaign, fitted, look_at)) {
-    complain(reservation.sentence);
-    for (const std::string& sentence : reservation.remedies) print_error("  " + sentence);
-    context.exit_code = reservation.exit_code;
+  const std::string file = campaign.file.string();
+  if (result.coder_exceeds_interval())
+    context.doubt(kQualityGate, fmt::format("{}: {}", file, coding_sentence(result)));
+  if (!result.quoted_under.empty())
+    context.doubt(
+        kQualityGate,
+        fmt::format("{}: the data reject the campaign as it is described (chi2 {:.4g} at {} degrees of "
+                    "freedom); these values hold under {}; as described: {}",
+                    file, result.chi2, result.dof,
+                    fmt::format("{}", fmt::join(result.quoted_under, ", and ")), as_described(result)));
+  if (!result.usable()) {
+    std::string sentence = fmt::format("{}: do not use these values: {}; see {}", file,
+                                       fmt::format("{}", fmt::join(result.verdict_reasons, "; ")), look_at);
+    for (const std::string& remedy : remedies(result)) sentence += "\n  " + remedy;
+    context.doubt(kFitUnusable, sentence);
   }
 }
 

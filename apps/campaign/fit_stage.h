@@ -39,19 +39,8 @@ void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& c
 /// Writes fit.json and its meta file, which names the campaign and what its runs were read from.
 void write_fit(const std::filesystem::path& path, const Campaign& campaign, const FittedCampaign& fitted);
 
-/// What stands against using the fit as it is, with the exit code that says so.
-struct Reservation {
-  ExitCode exit_code = kDone;
-  std::string sentence;
-  std::vector<std::string> remedies;
-};
-
-/// The weightiest last; empty for a sound fit. `look_at` names where the user finds more.
-std::vector<Reservation> reservations(const Campaign& campaign, const FittedCampaign& fitted,
-                                      const std::string& look_at);
-
-/// The fit's report and warnings on stderr, unless quiet; its reservations in any case, which set the exit
-/// code.
+/// The fit's report and warnings on stderr, unless quiet; in any case what stands against using it as it is,
+/// the weightiest last. `look_at` names where the user finds more.
 void report_fit(const Campaign& campaign, const FittedCampaign& fitted, bool explain,
                 const std::string& look_at, Context& context);
 

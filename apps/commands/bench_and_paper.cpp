@@ -36,7 +36,7 @@ struct BenchOptions {
 /// Carries out a benchmark with its progress on the terminal.
 template <class Options, class Measure>
 auto measured(const std::string& name, Options options, const Context& context, Measure measure) {
-  Progress progress(name, context.quiet);
+  Progress progress(name, context);
   options.progress = [&](int done, int total) { progress.update(done, total); };
   return measure(options);
 }
@@ -179,7 +179,7 @@ MetaFile meta_of_paper() {
 }
 
 Paper compute(const Context& context) {
-  Progress progress("paper", context.quiet, "claims");
+  Progress progress("paper", context, "claims");
   return {paper_figures(context),
           paper_claims(context, [&progress](int done, int total) { progress.update(done, total); })};
 }

@@ -15,6 +15,7 @@
 #include "apps/pipeline/campaign_runner.h"
 #include "apps/pipeline/line.h"
 #include "apps/pipeline/manifest.h"
+#include "apps/program/called.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
@@ -113,16 +114,24 @@ void check_output(const Campaign& campaign, const FitCommandOptions& options) {
 void fit_command(const FitCommandOptions& options, Context& context) {
   if (options.require_all && options.choices.allow_missing > 0)
     throw UsageError("give --require-all or --allow-missing, not both");
-  const Campaign campaign = campaign_of_part(read_campaign(campaign_file(options.campaign)), options.part);
-  check_output(campaign, options);
+  const bool in_memory = context.called && !context.called->input.is_null();
+  const Campaign campaign = campaign_of_part(in_memory ? campaign_of(context.called->input, options.campaign)
+                                                       : read_campaign(campaign_file(options.campaign)),
+                                             options.part);
   FitChoices choices = options.choices;
-  choices.result = options.output;
+  if (!context.called) {
+    check_output(campaign, options);
+    choices.result = options.output;
+  }
   const FittedCampaign fitted = fit_campaign(campaign, choices, context);
-  write_fit(options.output, campaign, fitted);
-  if (!is_standard_output(options.output))
+  if (context.called)
+    context.called->object = fitted.json;
+  else
+    write_fit(options.output, campaign, fitted);
+  if (!is_standard_output(options.output) && !context.called)
     print_text(options.json ? text_of(fitted.json) : parameter_table(fitted.json) + slide_table(fitted.json));
-  report_fit(campaign, fitted, options.explain, "identifiability and next_experiment in " + options.output,
-             context);
+  const std::string where = context.called ? "" : " in " + options.output;
+  report_fit(campaign, fitted, options.explain, "identifiability and next_experiment" + where, context);
 }
 
 }  // namespace
@@ -133,7 +142,9 @@ void add_fit(CLI::App& app, Context& context) {
   command.add_option("CAMPAIGN", options->campaign, "The campaign file")
       ->type_name("CAMPAIGN.toml")
       ->required();
-  command.add_option("-o,--output", options->output, "The result")->type_name("fit.json")->required();
+  command.add_option("-o,--output", options->output, "The result")
+      ->type_name("fit.json")
+      ->required(!context.called);
   command
       .add_option("--tracks", options->choices.tracks,
                   "Folder with the runs' tracks, NAME.csv (DIR/tracks of `run`); without it the videos are "

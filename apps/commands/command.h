@@ -2,14 +2,18 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/program/context.h"
 
 namespace tribotrack::apps {
 
-/// Adds --quiet, --threads and --version and the example at the end of --help.
+/// Adds --quiet, --threads and --version; they may stand before the command as well as after it.
+void add_options_of_all(CLI::App& command, Context& context);
+/// The same, and the example at the end of --help.
 void add_common(CLI::App& command, Context& context, const std::string& example);
 
 /// Adds an option that takes an angle in radians: a number or "11pi/9".
@@ -21,6 +25,8 @@ void add_number(CLI::App& command, const std::string& flag, std::optional<double
 
 /// Does a result go to standard output? Throws UsageError where the object of --json would go there, too.
 bool is_printed(const std::string& output, bool json);
+/// The same, and refuses an output, if there is one, that cannot be written or would replace an input.
+void check_output(const std::string& output, bool json, const std::vector<std::filesystem::path>& inputs);
 
 /// At the end of the help of `run` and `fit`.
 inline constexpr const char* kOfSds =
@@ -46,8 +52,8 @@ void add_init(CLI::App& app, Context& context);
 void add_watch(CLI::App& app, Context& context);
 void add_open(CLI::App& app, Context& context);
 
-/// Parses a command line and carries it out. Errors go to stderr as one sentence; the result is the exit
-/// code.
-int run_program(int argc, const char* const* argv);
+/// Parses the words after the program's name and carries out what they say. Throws UsageError for what cannot
+/// be parsed, CLI::ParseError where help or version are asked for, and what the command throws.
+void parse(CLI::App& app, const std::vector<std::string>& typed);
 
 }  // namespace tribotrack::apps

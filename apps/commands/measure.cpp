@@ -8,13 +8,16 @@
 
 #include "apps/commands/command.h"
 #include "apps/files/camera.h"
+#include "apps/files/campaign/keys.h"
 #include "apps/files/run_folder.h"
 #include "apps/files/tracks/any_track.h"
 #include "apps/measuring/measure_text.h"
 #include "apps/measuring/measure_track.h"
+#include "apps/program/called.h"
 #include "apps/program/errors.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
+#include "apps/simulating/simulation.h"
 #include "apps/text/angle.h"
 #include "apps/text/number_text.h"
 #include "apps/text/output_file.h"
@@ -28,38 +31,42 @@ namespace {
 struct MeasureOptions {
   std::string track, output;
   MeasureChoices choices;
-  TrackReading reading;  ///< of another program's track
+  DataSection data;  ///< how another program's track is read
   bool json = false;
 };
 
-void check_output(const MeasureOptions& options) {
-  if (options.output.empty() || is_printed(options.output, options.json)) return;
-  require_writable({{options.output}}, {options.track, options.track + ".meta.json"});
+/// A file's, or the one that the caller has in memory.
+Track track_of(const MeasureOptions& options, const Context& context) {
+  if (!context.called || context.called->input.is_null())
+    return read_any_track(options.track, options.data.tracks);
+  const Json& given = context.called->input;
+  return track_of_text(options.track, given["csv"],
+                       given.contains("meta") ? std::optional(given["meta"]) : std::nullopt);
 }
 
 void measure_command(const MeasureOptions& options, Context& context) {
-  check_output(options);
-  const TrackReading& reading = options.reading;
+  check_output(options.output, options.json, {options.track, options.track + ".meta.json"});
+  const TrackReading& reading = options.data.tracks;
   for (const auto& [flag, value] :
        {std::pair{"--mm-per-px", reading.mm_per_px}, std::pair{"--fps", reading.frame_rate_hz}})
     if (value && !(*value > 0)) throw UsageError(fmt::format("{} must be greater than 0", flag));
-  const Track track = read_any_track(options.track, reading);
+  const Track track = track_of(options, context);
   if (!track.imported.empty())
     for (const std::string& warning : track.warnings) say(context.quiet, "note: " + warning);
   const TrackMeasurement result = measure_track(options.track, track, options.choices);
-  if (!options.output.empty()) {
+  if (context.called) {
+    context.called->object = result.json;
+  } else if (!options.output.empty()) {
     MetaFile meta;
     meta.command = "measure";
     meta.inputs = track.inputs;
     meta.configuration = result.configuration;
     write_result(options.output, text_of(result.json), meta);
   }
-  if (!is_standard_output(options.output))
+  if (!is_standard_output(options.output) && !context.called)
     print_text(options.json ? text_of(result.json) : measurement_text(result.json));
   for (const auto& warning : result.warnings) say(context.quiet, "warning: " + warning);
-  if (result.failure.empty()) return;
-  complain(result.failure);
-  context.exit_code = kQualityGate;
+  if (!result.failure.empty()) context.doubt(kQualityGate, result.failure);
 }
 
 }  // namespace
@@ -88,27 +95,16 @@ void add_measure(CLI::App& app, Context& context) {
                    "no drive is given or seen); exit 4 where the track shows another motion");
   add_number(command, "--gravity-m-s2", options->choices.gravity_m_s2,
              "Of a free slide: mu1 = deceleration / g (default 9.81)");
-  add_number(command, "--mm-per-px", options->reading.mm_per_px,
+  add_number(command, "--mm-per-px", options->data.tracks.mm_per_px,
              "Scale of another program's track that is in pixels");
-  add_number(command, "--fps", options->reading.frame_rate_hz,
+  add_number(command, "--fps", options->data.tracks.frame_rate_hz,
              "Rate at which the frames of another program's track were taken; overrides its times");
-  command
-      .add_option("--track-unit", options->reading.unit,
-                  "Unit of x and y of another program's track whose columns name none")
-      ->check(one_of(kTrackUnits));
-  command
-      .add_option("--track-y", options->reading.y,
-                  "Where its y points: up or down (default: down in pixels, up in lengths)")
-      ->check(one_of(kTrackY));
-  command
-      .add_option(
-          "--track-frame", options->reading.frame,
-          "Its positions are relative to the platform or to the camera (default: camera without a mark)")
-      ->check(one_of(kTrackFrames));
-  command.add_option("--track-point", options->reading.point, "Which of its points is the part")
-      ->type_name("NAME");
-  command.add_option("--track-mark", options->reading.mark, "Which of its points is fixed to the platform")
-      ->type_name("NAME");
+  for (const Key<DataSection>& key : data_keys()) {  // as a campaign has them
+    if (!key.name.starts_with("track_")) continue;
+    auto* word = std::get<std::string*>(key.value(options->data).value());
+    CLI::Option* option = command.add_option(flag_of(key.name), *word, key.meaning);
+    if (!key.kind.words.empty()) option->check(one_of(key.kind.words));
+  }
   command.add_option("-o,--output", options->output, "Write the results as JSON")->type_name("M.json");
   command.add_flag("--json", options->json, "Print the results as one JSON object");
   add_common(

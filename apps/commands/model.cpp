@@ -3,12 +3,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <utility>
 
 #include "apps/commands/command.h"
 #include "apps/files/run_folder.h"
 #include "apps/files/scenario_file.h"
+#include "apps/program/called.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/simulating/simulation.h"
@@ -23,13 +25,9 @@ namespace tribotrack::apps {
 namespace {
 
 struct SimulateOptions {
-  std::string scenario;
+  GivenScenario given;
   std::string output;
-  std::string start;
-  bool json = false;
-  bool explain = false;
-  std::optional<double> samples_per_cycle;
-  std::vector<std::pair<std::string, std::optional<double>>> values;  ///< by the names of parameters
+  bool json = false, explain = false;
 };
 
 /// " (default 0.28)": what holds without a scenario, the paper's conditions.
@@ -39,34 +37,25 @@ std::string default_text(const Key<ScenarioFile>& parameter) {
   return value ? fmt::format(" (default {:.10g})", *value) : "";
 }
 
-/// A flag for each parameter with a meaning. Names in another unit are flags of their own.
-void add_parameters(CLI::App& command, SimulateOptions& options) {
-  struct Flag {
-    std::string flags, name, help;
+/// A flag for each parameter. Names in another unit are flags of their own.
+void add_parameters(CLI::App& command, GivenScenario& given) {
+  const auto add = [&](const std::string& flags, const std::string& name, const std::string& help) {
+    auto& value = given.values.emplace_back(name, std::nullopt).second;
+    name.ends_with("_rad") ? add_angle(command, flags, value, help) : add_number(command, flags, value, help);
   };
-  std::vector<Flag> flags;
   for (const Key<ScenarioFile>& parameter : scenario_parameters()) {
-    if (parameter.meaning.empty()) continue;
-    flags.push_back({flag_of(parameter.name), parameter.name, parameter.meaning + default_text(parameter)});
-    const std::size_t own = flags.size() - 1;
+    std::string flags = flag_of(parameter.name);
     for (const OtherName& other : other_names(parameter.name))
-      if (other.factor == 1)
-        flags[own].flags += "," + flag_of(other.name);
-      else
-        flags.push_back({flag_of(other.name), other.name, "The same by another unit"});
+      if (other.factor == 1) flags += "," + flag_of(other.name);
+    add(flags, parameter.name, parameter.meaning + default_text(parameter));
+    for (const OtherName& other : other_names(parameter.name))
+      if (other.factor != 1) add(flag_of(other.name), other.name, "The same by another unit");
   }
-  options.values.reserve(flags.size());  // CLI11 keeps references
-  for (const auto& [flag, name, help] : flags) {
-    auto& value = options.values.emplace_back(name, std::nullopt).second;
-    name.ends_with("_rad") ? add_angle(command, flag, value, help) : add_number(command, flag, value, help);
-  }
-}
-
-GivenScenario given_of(const SimulateOptions& options) {
-  GivenScenario given{options.scenario, {}, options.start, options.samples_per_cycle};
-  for (const auto& [name, value] : options.values)
-    if (value) given.values.emplace_back(name, *value);
-  return given;
+  command
+      .add_option("--start", given.start,
+                  "How it starts: at rest, circling at constant mu1 until the first pulse, or in the steady "
+                  "motion (default rest)")
+      ->type_name("rest|circling|steady");
 }
 
 std::string table_of(const model::Trajectory& trajectory, int samples_per_cycle) {
@@ -78,20 +67,29 @@ std::string table_of(const model::Trajectory& trajectory, int samples_per_cycle)
   return table;
 }
 
-/// One output, by name or standard output, and a scenario file that it must not replace.
-void check_output(const std::string& output, const std::string& scenario, bool json) {
-  if (is_printed(output, json)) return;
-  std::vector<std::filesystem::path> inputs;
-  if (!scenario.empty()) inputs.emplace_back(scenario);
-  require_writable({{output}}, inputs);
+/// To the caller: the rows of the table, column by column.
+void hand_over(const model::Trajectory& trajectory, int samples_per_cycle, const Context& context) {
+  constexpr std::array names = {"time_s", "x_mm", "y_mm", "vx_mm_s", "vy_mm_s", "mu"};
+  std::array<std::vector<double>, names.size()> columns;
+  std::vector<const char*> states;
+  for_each_row(trajectory, samples_per_cycle, [&](const SimulatedRow& row) {
+    context.tell("simulate", 0, 1);
+    const std::array values = {row.time_s, row.x_mm, row.y_mm, row.vx_mm_s, row.vy_mm_s, row.mu};
+    for (std::size_t k = 0; k < values.size(); ++k) columns[k].push_back(values[k]);
+    states.push_back(row.state);
+  });
+  for (std::size_t k = 0; k < names.size(); ++k)
+    context.called->columns.emplace_back(names[k], std::move(columns[k]));
+  context.called->columns.emplace_back("state", std::move(states));
+  context.called->object = simulation_json(trajectory);
 }
 
 void simulate(const SimulateOptions& options, const Context& context) {
-  const ScenarioFile file = scenario_of(given_of(options));
-  if (!options.output.empty()) {
-    check_output(options.output, options.scenario, options.json);
-    require_sensible_table(options.output, file.scenario, file.samples_per_cycle);
-  }
+  const ScenarioFile file = scenario_of(options.given);
+  check_output(options.output, options.json, {options.given.file});
+  if (!options.output.empty() || context.called)
+    require_sensible_table(context.called ? "simulate" : options.output, file.scenario,
+                           file.samples_per_cycle);
   if (const model::Friction& friction = file.scenario.friction; friction.reduced > friction.nominal)
     say(context.quiet, fmt::format("note: mu2 = {} within the pulse is more than mu1 = {} outside of it",
                                    friction.reduced, friction.nominal));
@@ -102,11 +100,12 @@ void simulate(const SimulateOptions& options, const Context& context) {
                       stage.on ? "" : fmt::format("; error at most {:.2g} mm", 1e3 * stage.error_bound)));
 
   const model::Trajectory trajectory = model::integrate(file.scenario);
+  if (context.called) return hand_over(trajectory, file.samples_per_cycle, context);
   const Json results = simulation_json(trajectory);
   if (!options.output.empty()) {
     MetaFile meta;
     meta.command = "simulate";
-    if (!options.scenario.empty()) meta.inputs = {hashed_input(options.scenario)};
+    if (!options.given.file.empty()) meta.inputs = {hashed_input(options.given.file)};
     meta.configuration = json_of(file.scenario);
     meta.configuration["samples_per_cycle"] = file.samples_per_cycle;
     meta.more["results"] = results;
@@ -132,16 +131,11 @@ void add_simulate(CLI::App& app, Context& context) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App& command = *app.add_subcommand("simulate", "Simulate one trajectory of the friction model");
   command.add_option(
-      "SCENARIO", options->scenario,
+      "SCENARIO", options->given.file,
       "Scenario file (TOML); the flags override it. Without one: the paper's platform (A, w, epsilon, g) and "
       "the defaults below, in which friction is constant: mu2 and dtau make pulses");
-  add_parameters(command, *options);
-  command
-      .add_option("--start", options->start,
-                  "How it starts: at rest, circling at constant mu1 until the first pulse, or in the steady "
-                  "motion (default rest)")
-      ->type_name("rest|circling|steady");
-  add_number(command, "--samples-per-cycle", options->samples_per_cycle,
+  add_parameters(command, options->given);
+  add_number(command, "--samples-per-cycle", options->given.samples_per_cycle,
              "Rows of the table per cycle (default 100)");
   command
       .add_option("-o,--output", options->output,
@@ -159,34 +153,51 @@ void add_simulate(CLI::App& app, Context& context) {
 
 namespace {
 
+struct SweepOptions {
+  GivenScenario given;
+  std::string output;
+  std::vector<std::string> over;
+  bool json = false;
+};
+
+using Columns = std::vector<std::pair<std::string, const std::vector<double>*>>;
+
+Columns columns_of(const SweptModel& solved) {
+  return {{"alpha_rad", &solved.alpha_rad},
+          {"v_mm_s", &solved.v_mm_s},
+          {"steady_alpha_rad", &solved.steady_alpha_rad},
+          {"steady_v_mm_s", &solved.steady_v_mm_s}};
+}
+
+/// To the caller: the values of each axis, and the grid.
+void hand_over(const Sweep& sweep, const SweptModel& solved, Called& called) {
+  for (const SweepAxis& axis : sweep.axes()) {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < axis.count(); ++k) values.push_back(axis.value(k));
+    called.columns.emplace_back(axis.name(), std::move(values));
+  }
+  for (const auto& [name, column] : columns_of(solved)) called.columns.emplace_back(name, *column);
+}
+
 /// One list for each column of the table; null for "no value".
-Json columns_of(const Sweep& sweep, const SweptModel& solved) {
+Json lists_of(const Sweep& sweep, const SweptModel& solved) {
   Json json;
   for (std::size_t index = 0; index < sweep.count(); ++index)
     for (std::size_t axis = 0; axis < sweep.axes().size(); ++axis)
       json[sweep.axes()[axis].name()].push_back(sweep.value(index, axis));
-  for (const auto& [name, column] :
-       {std::pair{"alpha_rad", &solved.alpha_rad}, std::pair{"v_mm_s", &solved.v_mm_s},
-        std::pair{"steady_alpha_rad", &solved.steady_alpha_rad},
-        std::pair{"steady_v_mm_s", &solved.steady_v_mm_s}})
+  for (const auto& [name, column] : columns_of(solved))
     for (const double value : *column) json[name].push_back(finite_json(value));
   return json;
 }
 
-struct SweepOptions {
-  bool json = false;
-  std::string scenario;
-  std::vector<std::string> over;
-  std::string output;
-};
-
 void run_sweep(const SweepOptions& options, const Context& context) {
-  const ScenarioFile base = options.scenario.empty() ? ScenarioFile{} : read_scenario_file(options.scenario);
+  const ScenarioFile base = base_of(options.given);
   const auto& texts = options.over.empty() ? base.over : options.over;
   const Sweep sweep(base, sweep_axes(texts));
-  check_output(options.output, options.scenario, options.json);
+  check_output(options.output, options.json, {options.given.file});
   const SweptModel solved = solve(sweep, context);
-  if (options.json) print_text(text_of(columns_of(sweep, solved)));
+  if (context.called) return hand_over(sweep, solved, *context.called);
+  if (options.json) print_text(text_of(lists_of(sweep, solved)));
   std::string table;
   for (const SweepAxis& axis : sweep.axes()) table += axis.name() + ",";
   table += "alpha_rad,v_mm_s,steady_alpha_rad,steady_v_mm_s\n";
@@ -198,7 +209,7 @@ void run_sweep(const SweepOptions& options, const Context& context) {
   }
   MetaFile meta;
   meta.command = "sweep";
-  if (!options.scenario.empty()) meta.inputs = {hashed_input(options.scenario)};
+  if (!options.given.file.empty()) meta.inputs = {hashed_input(options.given.file)};
   meta.configuration = json_of(base.scenario);
   meta.configuration["over"] = texts;
   write_result(options.output, table, meta);
@@ -211,18 +222,19 @@ void run_sweep(const SweepOptions& options, const Context& context) {
 void add_sweep(CLI::App& app, Context& context) {
   auto options = std::make_shared<SweepOptions>();
   CLI::App& command = *app.add_subcommand("sweep", "alpha and v of the model over one or two parameters");
-  command.add_option("SCENARIO", options->scenario,
-                     "Scenario file (TOML). Without one: the paper's conditions");
+  command.add_option("SCENARIO", options->given.file,
+                     "Scenario file (TOML); the flags override it. Without one: the paper's conditions");
   command
       .add_option("--over", options->over,
                   "NAME=FROM:TO:COUNT or NAME=VALUE,VALUE,..., once or twice; names: " +
                       fmt::format("{}", fmt::join(scenario_parameter_names(), ", ")))
       ->type_name("AXIS");
+  add_parameters(command, options->given);
   command
       .add_option("-o,--output", options->output,
                   "Write the table: swept names, alpha_rad, v_mm_s and those of the steady motion")
       ->type_name("S.csv")
-      ->required();
+      ->required(!context.called);
   command.add_flag("--json", options->json, "Print the table as one JSON object, a list for each column");
   add_common(command, context,
              "  tribotrack sweep data/figure7a.toml --over phi_rad=0:2pi:73 --over dtau_rad=pi/6:pi:6 -o "

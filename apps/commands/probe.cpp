@@ -101,38 +101,6 @@ Json description_of(const vision::SourceInfo& info, const vision::RepeatedFrames
   return json;
 }
 
-void print_description(const vision::SourceInfo& info, const vision::RepeatedFrames& repeats) {
-  print("{}\n  {} ({}), {} x {} pixels, {} bits{}\n", info.path.string(), info.format, info.codec, info.width,
-        info.height, info.bits, info.colour ? ", colour" : "");
-  print("  {} frames, image numbers {} to {}\n", info.frame_count, info.first_number,
-        info.first_number + info.frame_count - 1);
-  if (info.coder) print_text(measurement_text(coding_json(info), "  coding"));
-  if (info.time_base.known())
-    print("  recorded at {:.10g} frames/s, from: {}{}\n", *info.time_base.rate_hz, info.time_base.source,
-          info.time_base.stamps_s.empty() ? "" : " (every frame has the time of its own stamp)");
-  else
-    print("  recorded at an unknown rate: {}\n  tracking needs --fps (frame_rate_hz in a campaign)\n",
-          info.time_base.why_unknown());
-  for (const auto& candidate : info.time_base.candidates)
-    print("    {} {:.10g} frames/s by {}: {}\n", candidate.accepted ? "taken   " : "rejected",
-          candidate.rate_hz, candidate.source, candidate.reason);
-  if (!info.exposures_s.empty())
-    print("  exposure {:.6g} to {:.6g} s\n", std::ranges::min(info.exposures_s),
-          std::ranges::max(info.exposures_s));
-  else if (info.exposure_s)
-    print("  exposure {:.6g} s\n", *info.exposure_s);
-  if (info.black_level && info.white_level)
-    print("  black at level {}, white at {}\n", *info.black_level, *info.white_level);
-  if (info.pixel_aspect != 1)
-    print("  pixels {:.6g} times as wide as high: to be made square before tracking\n", info.pixel_aspect);
-  if (!info.camera.empty()) print("  camera {}\n", info.camera);
-  if (!info.trigger_time.empty()) print("  triggered {}\n", info.trigger_time);
-  if (info.frame_count == 1) print("  note: one frame shows no motion: there is nothing to track\n");
-  for (const auto& note : info.notes) print("  note: {}\n", note);
-  if (repeats.looked_at < info.frame_count)
-    print("  the first {} frames were compared with the one before each\n", repeats.looked_at);
-}
-
 /// What the first frame shows, in a picture, on a page and in JSON; nothing where none of them is asked for.
 std::optional<vision::Survey> look_around(vision::FrameSource& source, const ProbeOptions& options) {
   const bool must = !options.picture.empty() || !options.page.empty();
@@ -181,14 +149,10 @@ void probe(const ProbeOptions& options) {
   }
   for (std::string& finding : vision::findings(repeats, *source)) info.notes.push_back(std::move(finding));
   const auto seen = look_around(*source, options);
-  if (options.json) {
-    Json json = description_of(info, repeats);
-    if (seen) json["survey"] = json_of(*seen);
-    print_text(text_of(json));
-    return;
-  }
-  print_description(info, repeats);
-  if (seen) print_survey(*seen, info);
+  Json json = description_of(info, repeats);
+  if (options.json && seen) json["survey"] = json_of(*seen);
+  print_text(options.json ? text_of(json) : measurement_text(json));
+  if (seen && !options.json) print_survey(*seen, info);
 }
 
 }  // namespace
@@ -226,36 +190,37 @@ namespace fs = std::filesystem;
 namespace {
 
 struct InitOptions {
-  std::string folder, from, list;
-  std::optional<double> diameter_mm, chamfer_mm, fps;
+  DraftOptions draft;
+  std::string from, list;
   bool json = false;
 };
 
 CampaignDraft draft_for(const InitOptions& options, const Context& context) {
-  const DraftOptions draft{options.folder, options.diameter_mm, options.chamfer_mm, options.fps};
   if (options.from.empty()) {
     CampaignDraft empty;
-    take_given(draft, empty);
+    take_given(options.draft, empty);
     return empty;
   }
   if (!options.list.empty())
-    return draft_of(read_run_list(options.list, read_text(options.list)), options.from, draft, context);
+    return draft_of(read_run_list(options.list, read_text(options.list)), options.from, options.draft,
+                    context);
   const std::vector<fs::path> recordings = recordings_in(options.from);
   if (recordings.empty())
     throw InvalidInput(
         fmt::format("{}: holds no recording (.cine, video, TIFF stack or folders of pictures); give the "
                     "folder that does",
                     options.from));
-  return draft_of(recordings, draft, context);
+  return draft_of(recordings, options.draft, context);
 }
 
 void init(const InitOptions& options, const Context& context) {
-  const fs::path file = fs::path(options.folder) / "campaign.toml";
+  const fs::path& folder = options.draft.folder;
+  const fs::path file = folder / "campaign.toml";
   if (fs::exists(file))
     throw InvalidInput(
         fmt::format("{}: exists already and is not overwritten; give another folder", file.string()));
   const CampaignDraft draft = draft_for(options, context);
-  create_folder(options.folder);
+  create_folder(folder);
   write_campaign(file, toml_of(draft));
   if (options.json)
     print_text(text_of(Json{{"campaign", file.string()},
@@ -270,7 +235,7 @@ void init(const InitOptions& options, const Context& context) {
   for (const std::string& missing : draft.missing) say(context.quiet, fmt::format("to fill in: {}", missing));
   say(context.quiet,
       fmt::format("{}: tribotrack run {} -o {}", draft.runs.empty() ? "add the recordings, then" : "then",
-                  file.string(), (fs::path(options.folder) / "out").string()));
+                  file.string(), (folder / "out").string()));
 }
 
 }  // namespace
@@ -278,7 +243,8 @@ void init(const InitOptions& options, const Context& context) {
 void add_init(CLI::App& app, Context& context) {
   auto options = std::make_shared<InitOptions>();
   CLI::App& command = *app.add_subcommand("init", "Write a commented campaign to start from");
-  command.add_option("DIR", options->folder, "Folder to write campaign.toml into; made if it is not there")
+  command
+      .add_option("DIR", options->draft.folder, "Folder to write campaign.toml into; made if it is not there")
       ->type_name("DIR")
       ->required();
   command
@@ -295,11 +261,11 @@ void add_init(CLI::App& app, Context& context) {
           "; or tabs, decimal commas too")
       ->type_name("RUNS.csv")
       ->needs(command.get_option("--from"));
-  add_number(command, "--disc-diameter-mm", options->diameter_mm,
+  add_number(command, "--disc-diameter-mm", options->draft.diameter_mm,
              "The part's diameter, which sets the scale");
-  add_number(command, "--chamfer-mm", options->chamfer_mm,
+  add_number(command, "--chamfer-mm", options->draft.chamfer_mm,
              "Width of the part's chamfer seen from above, 0 for a sharp edge");
-  add_number(command, "--fps", options->fps, "Frame rate, where the recordings do not say it");
+  add_number(command, "--fps", options->draft.fps, "Frame rate, where the recordings do not say it");
   command.add_flag("--json", options->json, "Print what was found as one JSON object");
   add_common(command, context,
              "  tribotrack init my_campaign --from recordings --disc-diameter-mm 6\n"

@@ -190,7 +190,7 @@ void synth(const SynthOptions& options, const Context& context) {
     meta.configuration = json_of(shot);
     meta.write_beside(video_of(shot));
   };
-  Progress progress("synth", context.quiet);
+  Progress progress("synth", context);
   std::atomic<long> frames = 0;
   parallel_for(shots.size(), threads_to_use(context), [&](std::size_t k) {
     const SceneShot& shot = shots[k];

@@ -16,6 +16,7 @@
 #include "apps/files/tracks/any_track.h"
 #include "apps/measuring/measure_text.h"
 #include "apps/pipeline/line.h"
+#include "apps/program/called.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/recording/recording.h"
@@ -29,11 +30,10 @@ namespace tribotrack::apps {
 namespace {
 
 struct TrackCommandOptions {
-  std::string input, output, disc, target, marker, gate, frames, overlay, first_frame, debug, debug_frames;
+  std::string input, output, overlay, first_frame, debug, debug_frames;
   std::string campaign, run;                             ///< instead of an input and its choices
   std::map<std::string, std::optional<double>> numbers;  ///< of kTrackNumbers, by their flags
-  std::string fps_reason;
-  TrackChoices choices;  ///< but for those that are read from the texts above
+  TrackChoices choices;                                  ///< but for these
   bool json = false;
   bool explain = false;
 };
@@ -91,30 +91,22 @@ void set_frames(TrackChoices& choices, const std::string& text) {
   choices.frame_step = number(2);
 }
 
-TrackChoices choices_of(const TrackCommandOptions& options) {
-  TrackChoices choices = options.choices;
-  for (const TrackFlag& flag : kTrackNumbers)
-    if (const auto& value = options.numbers.at(flag.flag)) choices.keys[flag.section][flag.key] = *value;
-  Json& camera = choices.keys["camera"];
-  if (!options.fps_reason.empty()) camera["frame_rate_reason"] = options.fps_reason;
-  if (!options.disc.empty()) camera["disc_px"] = numbers_of("--disc", options.disc, 3, kCircle);
-  if (!options.target.empty()) camera["template_px"] = rectangle_of(options.target);
-  if (!options.gate.empty()) camera["gate_px"] = numbers_of("--gate", options.gate, 3, kCircle);
-  if (options.marker == "auto" || options.marker == "texture" || options.marker == "none" ||
-      options.marker.starts_with("tag:"))
-    camera["marker"] = options.marker;
-  else if (!options.marker.empty())
+void set_marker(Json& camera, const std::string& text) {
+  if (text == "auto" || text == "texture" || text == "none" || text.starts_with("tag:"))
+    camera["marker"] = text;
+  else
     camera["marker_px"] =
-        numbers_of("--marker", options.marker, 3, fmt::format("{}, or be {}", kCircle, kMarkerWords).c_str());
-  if (!options.frames.empty()) set_frames(choices, options.frames);
-  return choices;
+        numbers_of("--marker", text, 3, fmt::format("{}, or be {}", kCircle, kMarkerWords).c_str());
 }
 
 Recording recording_of(const TrackCommandOptions& options) {
   if (options.input == "-" || options.input == "/dev/stdin")
     throw InvalidInput(
         fmt::format("'{}': a recording is not read from standard input; give its file", options.input));
-  Recording recording = recording_of(options.input, choices_of(options));
+  TrackChoices choices = options.choices;
+  for (const TrackFlag& flag : kTrackNumbers)
+    if (const auto& value = options.numbers.at(flag.flag)) choices.keys[flag.section][flag.key] = *value;
+  Recording recording = recording_of(options.input, choices);
   if (!options.debug_frames.empty() && options.debug.empty())
     throw UsageError("--debug-frames chooses frames for --debug DIR: give that, too");
   if (!options.debug_frames.empty())
@@ -146,15 +138,17 @@ void print_explanation(const vision::TrackResult& result) {
 
 void check_outputs(const TrackCommandOptions& options, const std::vector<std::filesystem::path>& inputs) {
   std::vector<Output> outputs;
-  if (!is_printed(options.output, options.json)) outputs.push_back({options.output});
+  if (!options.output.empty() && !is_printed(options.output, options.json))
+    outputs.push_back({options.output});
   for (const std::string& pictures : {options.overlay, options.first_frame})
     if (!pictures.empty()) outputs.push_back({pictures, Content::pictures});
   require_writable(outputs, inputs);
   if (!options.overlay.empty()) vision::require_overlay_name(options.overlay);
 }
 
-std::vector<std::filesystem::path> inputs_of(const TrackCommandOptions& options) {
-  std::vector<std::filesystem::path> inputs = files_of_input(options.input);
+std::vector<std::filesystem::path> inputs_of(const TrackCommandOptions& options, bool in_memory) {
+  std::vector<std::filesystem::path> inputs;
+  if (!in_memory) inputs = files_of_input(options.input);
   for (const std::string& file : {options.choices.config, options.choices.calibration})
     if (!file.empty()) inputs.emplace_back(file);
   return inputs;
@@ -165,19 +159,45 @@ double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
+/// To the caller: the table column by column, and what stands in its meta file.
+void hand_over(const Recording& recording, Called& called) {
+  std::vector<std::int64_t> frames;
+  std::vector<double> times;
+  for (const TrackRow& row : recording.rows.rows) {
+    frames.push_back(row.frame);
+    times.push_back(row.time_s);
+  }
+  called.columns = {{"frame", std::move(frames)}, {"time_s", std::move(times)}};
+  for_each_column(recording.rows, [&](const char* name, double TrackRow::*number) {
+    std::vector<double> values;
+    std::vector<const char*> words;
+    for (const TrackRow& row : recording.rows.rows)
+      number != nullptr ? values.push_back(row.*number) : words.push_back(vision::to_string(row.status));
+    if (number != nullptr)
+      called.columns.emplace_back(name, std::move(values));
+    else
+      called.columns.emplace_back(name, std::move(words));
+  });
+  called.object["meta"] = meta_of(recording).json();
+  called.object["meta"]["result_xxh3_128"] = hash_of_text(track_csv(recording.rows));  // as write_result()
+}
+
 /// Tracks, writes what was asked for, and says how it went.
 void track_and_write(const TrackCommandOptions& options, Recording recording, double started,
                      Context& context) {
-  std::optional<Progress> progress(std::in_place, "track", context.quiet, "frames");
+  std::optional<Progress> progress(std::in_place, "track", context, "frames");
   recording.options.progress = [&](std::int64_t done, std::int64_t total) { progress->update(done, total); };
-  recording = tracked(std::move(recording), options.output);
+  recording = apps::tracked(std::move(recording), options.output.empty()
+                                                      ? std::nullopt
+                                                      : std::optional<std::filesystem::path>(options.output));
   progress.reset();
   auto& times = recording.result.stage_times;
   times.insert(times.begin(), {"starting", started});
   const auto tracked = std::chrono::steady_clock::now();
   if (!options.first_frame.empty()) write_first_frame(options.first_frame, recording);
   if (!options.overlay.empty()) write_overlay_file(options.overlay, recording);
-  write_track(options.output, recording);
+  if (!options.output.empty()) write_track(options.output, recording);
+  if (context.called) hand_over(recording, *context.called);
   const std::chrono::duration<double> writing = std::chrono::steady_clock::now() - tracked;
   times.push_back({"writing the results", writing.count()});
 
@@ -191,19 +211,8 @@ void track_and_write(const TrackCommandOptions& options, Recording recording, do
   for (const auto& warning : summary.warnings) say(context.quiet, "warning: " + warning);
   say(context.quiet, summary.brief_report());
   if (options.json) print_text(text_of(summary_json(recording)));
-  const std::string failure = gate_failure(recording);
-  if (failure.empty()) return;
-  complain(failure);
-  context.exit_code = kQualityGate;
-}
-
-/// Not those of the campaign's other runs: a campaign has a job for each, and each would look at all.
-std::vector<std::filesystem::path> inputs_of(const Campaign& campaign, const CampaignRun& run) {
-  std::vector<std::filesystem::path> inputs = {campaign.file};
-  for (const auto& file : {run.video, run.track, run.scope, campaign.camera.calibration})
-    if (file)
-      for (const std::filesystem::path& one : files_of_input(*file)) inputs.push_back(one);
-  return inputs;
+  if (const std::string failure = gate_failure(recording); !failure.empty())
+    context.doubt(kQualityGate, failure);
 }
 
 /// As `run` does it: the bytes of the track are the same, unless --frames asks for some only.
@@ -216,7 +225,8 @@ void track_run(const TrackCommandOptions& options, double started, Context& cont
   if (options.choices.first_frame) run.first_frame = options.choices.first_frame;
   if (options.choices.last_frame) run.last_frame = options.choices.last_frame;
   run.frame_step = options.choices.frame_step.value_or(run.frame_step);
-  check_outputs(options, inputs_of(campaign, run));
+  // Not those of the campaign's other runs: a campaign has a job for each, and each would look at all.
+  check_outputs(options, campaign.input_files({run}));
   leaving_word(run, options.output, [&] {
     if (!run.video) {
       import_track(*run.track, run.reading, options.output);
@@ -230,10 +240,15 @@ void track_run(const TrackCommandOptions& options, double started, Context& cont
 
 void track_command(const TrackCommandOptions& options, Context& context) {
   const double started = cpu_seconds();
+  if (options.output.empty() && !context.called) throw UsageError("the output file has no name");
   if (!options.campaign.empty()) return track_run(options, started, context);
   if (options.input.empty()) throw CLI::RequiredError("INPUT, or --campaign with --run,");
   Recording recording = recording_of(options);
-  check_outputs(options, inputs_of(options));
+  if (context.called && context.called->frames) {
+    if (!recording.camera.frame_rate_hz) throw UsageError("frames in memory have no frame rate: give --fps");
+    recording.source = context.called->frames(*recording.camera.frame_rate_hz);
+  }
+  check_outputs(options, inputs_of(options, recording.source != nullptr));
   recording.options.threads = threads_to_use(context);
 
   std::optional<vision::DebugFolder> debug;
@@ -262,42 +277,51 @@ void add_track(CLI::App& app, Context& context) {
   command.add_option(
       "INPUT", options->input,
       "Phantom .cine, a video, a multi-page TIFF, a folder of pictures, or a pattern dir/%05d.png");
-  command.add_option("-o,--output", options->output, "The track table")->type_name("T.csv")->required();
+  command.add_option("-o,--output", options->output, "The track table")
+      ->type_name("T.csv")
+      ->required(!context.called);
   for (const TrackFlag& flag : kTrackNumbers) {
     const bool angle = std::string_view(flag.flag).ends_with("-rad");
     (angle ? add_angle : add_number)(command, flag.flag, options->numbers[flag.flag], flag.help);
   }
-  command
-      .add_option("--fps-reason", options->fps_reason,
-                  "Source of the frame rate, for the meta file; required if --fps equals the file's "
-                  "playback rate")
+  Json& camera = options->choices.keys["camera"];
+  const auto add = [&command](const char* flag, auto take, const char* help) {
+    return command.add_option_function<std::string>(flag, take, help);
+  };
+  add(
+      "--fps-reason", [&camera](const std::string& text) { camera["frame_rate_reason"] = text; },
+      "Source of the frame rate, for the meta file; required if --fps equals the file's "
+      "playback rate")
       ->type_name("TEXT");
   command
       .add_option("--calibration", options->choices.calibration,
                   "Scale, lens and plane of the platform from `tribotrack calibrate`")
       ->type_name("FILE");
-  command
-      .add_option("--disc", options->disc,
-                  "The disc in the first analysed frame, or where it is first seen there (default: found; "
-                  "where several may be it, a picture numbers them)")
+  add(
+      "--disc",
+      [&camera](const std::string& text) { camera["disc_px"] = numbers_of("--disc", text, 3, kCircle); },
+      "The disc in the first analysed frame, or where it is first seen there (default: found; "
+      "where several may be it, a picture numbers them)")
       ->type_name("X,Y,R");
-  command.add_option("--template", options->target, "Follow this rectangle instead of a disc")
+  add(
+      "--template", [&camera](const std::string& text) { camera["template_px"] = rectangle_of(text); },
+      "Follow this rectangle instead of a disc")
       ->type_name("X,Y,W,H");
-  command
-      .add_option(
-          "--marker", options->marker,
-          "Mark fixed to the platform: its motion is subtracted. texture: the platform's own, all that is "
-          "seen of it; auto: a round mark, else texture. Default: texture where it is seen to move, else "
-          "none. tag:FAMILY[:NUMBER]: an ArUco or AprilTag mark, as tag:4x4_50 or tag:apriltag_36h11:3")
+  add(
+      "--marker", [&camera](const std::string& text) { set_marker(camera, text); },
+      "Mark fixed to the platform: its motion is subtracted. texture: the platform's own, all that is "
+      "seen of it; auto: a round mark, else texture. Default: texture where it is seen to move, else "
+      "none. tag:FAMILY[:NUMBER]: an ArUco or AprilTag mark, as tag:4x4_50 or tag:apriltag_36h11:3")
       ->type_name("X,Y,R|auto|texture|none|tag:FAMILY");
-  command
-      .add_option("--gate", options->gate,
-                  "LED that is on while the actuator is: its brightness is recorded, and `measure` finds phi "
-                  "and dtau from it")
+  add(
+      "--gate",
+      [&camera](const std::string& text) { camera["gate_px"] = numbers_of("--gate", text, 3, kCircle); },
+      "LED that is on while the actuator is: its brightness is recorded, and `measure` finds phi "
+      "and dtau from it")
       ->type_name("X,Y,R");
-  command
-      .add_option("--frames", options->frames,
-                  "Image numbers of the first and last frame to analyse, both included; every n-th of them")
+  add(
+      "--frames", [&choices = options->choices](const std::string& text) { set_frames(choices, text); },
+      "Image numbers of the first and last frame to analyse, both included; every n-th of them")
       ->type_name("A:B[:STEP]");
   command
       .add_option("--layers", options->choices.layers,

@@ -22,8 +22,9 @@ constexpr double kLookForChanges = 1;  ///< s: how soon an edited campaign is re
 constexpr const char* kFirst = "phi = 0 (0deg), dtau = pi/3 (60deg): any run tells which comes next";
 
 struct WatchOptions {
-  std::string folder, output, until;
-  std::optional<double> diameter_mm, chamfer_mm, fps, until_idle_s;
+  DraftOptions draft;
+  std::string output, until;
+  std::optional<double> until_idle_s;
   bool json = false, wait = false;
 };
 
@@ -37,15 +38,12 @@ class Watcher {
       : options_(options),
         context_(context),
         goals_(goals_from(options.until)),
-        arrivals_(options.folder, {}),
-        campaign_(options.folder, {.folder = options.folder,
-                                   .diameter_mm = options.diameter_mm,
-                                   .chamfer_mm = options.chamfer_mm,
-                                   .fps = options.fps}),
+        arrivals_(options.draft.folder, {}),
+        campaign_(options.draft),
         lock_(RunFolder{options.output}, campaign_.file(), options.wait) {}
 
   void watch() {
-    say(context_.quiet, fmt::format("watching {}; stop with Ctrl-C", options_.folder));
+    say(context_.quiet, fmt::format("watching {}; stop with Ctrl-C", options_.draft.folder.string()));
     auto last = std::chrono::steady_clock::now();
     for (bool first = true;; first = false) {
       const auto finished = arrivals_.next(first ? 0 : kLookForChanges);
@@ -63,7 +61,8 @@ class Watcher {
   }
 
   void finish() {
-    if (!fitted_) throw InvalidInput(fmt::format("{}: no recording could be used", options_.folder));
+    if (!fitted_)
+      throw InvalidInput(fmt::format("{}: no recording could be used", options_.draft.folder.string()));
     if (options_.json) print_text(text_of(json_));
   }
 
@@ -111,10 +110,9 @@ class Watcher {
     say_result(fmt::format("{} runs: {}", fit.runs.size(), fit.result.brief_report()));
     for (const Json& warning : fit.json["warnings"])
       say(context_.quiet, "warning: " + warning.get<std::string>());
-    if (const auto failed = runner.failed()) {
-      complain(fmt::format("{} of {} runs failed and were left out", failed, fit.runs.size()));
-      context_.exit_code = kQualityGate;
-    }
+    if (const auto failed = runner.failed())
+      context_.doubt(kQualityGate,
+                     fmt::format("{} of {} runs failed and were left out", failed, fit.runs.size()));
     if (!fit.result.usable()) context_.exit_code = kFitUnusable;
     if (!goals_.empty()) say_result(progress_of(goals_, fit.result));
     reached_ = all_reached(goals_, fit.result);
@@ -153,7 +151,7 @@ void add_watch(CLI::App& app, Context& context) {
   CLI::App& command = *app.add_subcommand(
       "watch", "Take each recording as it arrives in a folder, refit, and say which run to film next");
   command
-      .add_option("FOLDER", options->folder,
+      .add_option("FOLDER", options->draft.folder,
                   "Folder that recordings are written into; its campaign.toml gains a [[run]] for each")
       ->type_name("FOLDER")
       ->required();
@@ -168,10 +166,11 @@ void add_watch(CLI::App& app, Context& context) {
       ->type_name("mu1=1%,mu2=3%");
   add_number(command, "--until-idle-s", options->until_idle_s,
              "End when nothing has arrived for so long, s (default: never)");
-  add_number(command, "--disc-diameter-mm", options->diameter_mm,
+  add_number(command, "--disc-diameter-mm", options->draft.diameter_mm,
              "The part's diameter, where there is no campaign.toml yet");
-  add_number(command, "--chamfer-mm", options->chamfer_mm, "Width of its chamfer seen from above, likewise");
-  add_number(command, "--fps", options->fps,
+  add_number(command, "--chamfer-mm", options->draft.chamfer_mm,
+             "Width of its chamfer seen from above, likewise");
+  add_number(command, "--fps", options->draft.fps,
              "Frame rate, where there is no campaign.toml yet and the recordings do not say it");
   command.add_flag("--json", options->json, "Print the last fit as one JSON object, at the end");
   command.add_flag("--wait", options->wait,

@@ -23,29 +23,19 @@ std::optional<TomlKind> kind_of(const StrictTable& top) {
   return std::nullopt;
 }
 
-const char* name_of(TomlKind kind) {
-  return kind == TomlKind::campaign ? "campaign" : kind == TomlKind::scenario ? "scenario" : "scene";
-}
-
-std::string command_for(TomlKind kind, const std::string& file) {
-  switch (kind) {
-    case TomlKind::campaign:
-      return fmt::format("`tribotrack run {} -o DIR` takes it", file);
-    case TomlKind::scenario:
-      return fmt::format("`tribotrack simulate {}` takes it", file);
-    case TomlKind::scene:
-      break;
-  }
-  return fmt::format("`tribotrack synth {} -o VIDEO` takes it", file);
-}
+/// What a file is, and the command that takes it; in the order of TomlKind.
+constexpr std::pair<const char*, const char*> kKinds[] = {
+    {"campaign", "run {} -o DIR"}, {"scenario", "simulate {}"}, {"scene", "synth {} -o VIDEO"}};
 
 }  // namespace
 
 void require_kind(const StrictTable& top, TomlKind wanted, const std::string& file) {
   const auto kind = kind_of(top);
-  if (kind && *kind != wanted)
-    throw InvalidInput(fmt::format("{}: is a {}, not a {}; {}", file, name_of(*kind), name_of(wanted),
-                                   command_for(*kind, file)));
+  if (!kind || *kind == wanted) return;
+  const auto& [name, command] = kKinds[static_cast<int>(*kind)];
+  throw InvalidInput(fmt::format("{}: is a {}, not a {}; `tribotrack {}` takes it", file, name,
+                                 kKinds[static_cast<int>(wanted)].first,
+                                 fmt::format(fmt::runtime(command), file)));
 }
 
 namespace {
@@ -152,9 +142,11 @@ const Keys<ScenarioFile>& run_parameters() {
       {"velocity_y_mm_s", Kind::number, velocity<1>, "",
        "Initial velocity relative to the platform (start = rest)"},
       {"cycles", Kind::above_zero, at<scenario, &S::cycles>, "", "Platform cycles to simulate"},
-      {"spin_rad_s", Kind::number, at<scenario, &S::spin, &model::Spin::rate>, ""},
-      {"radius_mm", Kind::above_zero, milli<scenario, &S::spin, &model::Spin::radius>, ""},
-      {"spin_inertia", Kind::above_zero, at<scenario, &S::spin, &model::Spin::inertia>, ""},
+      {"spin_rad_s", Kind::number, at<scenario, &S::spin, &model::Spin::rate>, "",
+       "Spin of a disc that slides freely"},
+      {"radius_mm", Kind::above_zero, milli<scenario, &S::spin, &model::Spin::radius>, "", "Its radius"},
+      {"spin_inertia", Kind::above_zero, at<scenario, &S::spin, &model::Spin::inertia>, "",
+       "Its moment of inertia over m r^2"},
   };
   return keys;
 }

@@ -49,8 +49,8 @@ ScenarioFile read_scenario_file(const std::filesystem::path& file);
 /// The same tables out of a larger file; its other keys are left to the caller.
 ScenarioFile read_scenario_tables(StrictTable& top);
 
-/// What a scenario is made of: keys of [platform], [friction] and [run], flags of `simulate` (where a meaning
-/// is given), names of sweeps and of results. other_names() of them are taken, too.
+/// What a scenario is made of: keys of [platform], [friction] and [run], flags of `simulate`, names of sweeps
+/// and of results. other_names() of them are taken, too.
 const Keys<ScenarioFile>& scenario_parameters();
 std::vector<std::string> scenario_parameter_names();
 /// What holds without it; nothing where it follows from others.

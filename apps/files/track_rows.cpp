@@ -170,21 +170,21 @@ class Places {
 }  // namespace
 
 TrackRows track_rows(const vision::Track& track, const std::optional<vision::PlaneGeometry>& geometry,
-                     double xi_axis_rad) {
+                     double xi_axis_rad, bool pixels) {
   std::vector<std::optional<vision::PlacedPoint>> millimetres(track.points.size());
   if (geometry) millimetres = vision::place_track(track, *geometry, xi_axis_rad);
   TrackRows table;
   table.has_rotation = track.has_rotation;
   table.has_marker = track.has_marker;
   table.has_gate = track.has_gate;
-  table.has_planes = geometry && !geometry->plain();
+  table.has_planes = geometry && (!geometry->plain() || !pixels);
   for (std::size_t k = 0; k < track.points.size(); ++k) {
     const vision::TrackPoint& p = track.points[k];
     TrackRow row;
     row.frame = p.frame;
     row.time_s = p.time_s;
     row.status = p.status;
-    if (p.status == vision::TrackStatus::ok) {
+    if (p.status == vision::TrackStatus::ok && pixels) {
       row.x_px = as_written(p.x);
       row.y_px = as_written(p.y);
       row.sigma_x_px = as_written(p.sigma_x);
@@ -197,7 +197,7 @@ TrackRows track_rows(const vision::Track& track, const std::optional<vision::Pla
       row.theta_rad = as_written(p.rotation->theta);
       row.sigma_theta_rad = as_written(p.rotation->sigma);
     }
-    if (p.marker) {
+    if (p.marker && pixels) {
       row.marker_x_px = as_written(p.marker->x);
       row.marker_y_px = as_written(p.marker->y);
       row.marker_sigma_px = as_written(p.marker->sigma);

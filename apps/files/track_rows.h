@@ -38,9 +38,10 @@ struct TrackRows {
 
 /// The rows of a track, every number rounded as the file holds it, so that a track just made and one read
 /// back are the same. Without a geometry the millimetre columns stay empty; where the marker's plane has
-/// another scale than the part's top, or a lens is corrected, there are four more columns.
+/// another scale than the part's top, or a lens is corrected, there are four more columns. Without `pixels`
+/// the track is in lengths: these columns there are, and the pixels' are empty.
 TrackRows track_rows(const vision::Track& track, const std::optional<vision::PlaneGeometry>& geometry,
-                     double xi_axis_rad);
+                     double xi_axis_rad, bool pixels = true);
 
 /// Visits the columns that a table has, in the file's order, after `frame` and `time_s`; `number` is null for
 /// the status.

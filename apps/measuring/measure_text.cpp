@@ -30,7 +30,8 @@ std::string value_text(const std::string& name, const Json& value, const Json& s
 std::string measurement_text(const Json& json, const std::string& within) {
   std::string text;
   for (const auto& [name, value] : json.items()) {
-    if (name.ends_with("_sd") || name == "warnings" || name == "cov_dx_dy_mm2") continue;
+    const bool empty = value == "" || (value.is_structured() && value.empty());
+    if (empty || name.ends_with("_sd") || name == "warnings" || name == "cov_dx_dy_mm2") continue;
     const std::string place = within.empty() ? name : within + " " + name;
     if (value.is_object()) {
       text += measurement_text(value, place);
@@ -38,6 +39,9 @@ std::string measurement_text(const Json& json, const std::string& within) {
       for (std::size_t k = 0; k < value.size(); ++k)
         if (value[k].value("seen", true))
           text += measurement_text(value[k], fmt::format("{} {}", place, k + 1));
+    } else if (value.is_array() && !value.empty() && value[0].is_string()) {
+      for (const Json& sentence : value)
+        text += fmt::format("{:<36}{}\n", place, sentence.get<std::string>());
     } else {
       text += fmt::format("{:<36}{}\n", place, value_text(name, value, json.value(name + "_sd", Json())));
     }

@@ -1,4 +1,4 @@
-// The measurement of one track as text for people: with units, rounded to the standard deviation.
+// What commands find, as text for people: with units, rounded to the standard deviation.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace tribotrack::apps {
 
-/// Of the object that `measure --json` prints every quantity, a line each. `within` begins their names.
+/// Of the object that `measure --json` or `probe --json` prints every quantity, a line each. `within` begins
+/// their names.
 std::string measurement_text(const Json& json, const std::string& within = "");
 
 // What an oscilloscope's file holds, and what to write into [scope].

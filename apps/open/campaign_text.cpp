@@ -7,23 +7,16 @@
 
 #include "apps/program/errors.h"
 #include "apps/text/strict_toml.h"
+#include "apps/text/toml_slips.h"
 
 namespace tribotrack::apps {
 
 namespace {
 
-/// Of a place that TOML has in a text: lines and columns count from 1, columns whole letters.
-std::size_t offset_of(std::string_view text, const toml::source_position& place) {
-  std::size_t at = 0;
-  for (toml::source_index line = 1; line < place.line; ++line) at = text.find('\n', at) + 1;
-  for (toml::source_index column = 1; column < place.column; ++column)
-    for (++at; at < text.size() && (text[at] & 0xC0) == 0x80;) ++at;
-  return at;
-}
-
 std::string_view written(std::string_view text, const toml::node& node) {
-  const std::size_t begin = offset_of(text, node.source().begin);
-  return text.substr(begin, offset_of(text, node.source().end) - begin);
+  const auto& [begin, end, path] = node.source();
+  const std::size_t from = offset_of(text, begin.line, begin.column);
+  return text.substr(from, offset_of(text, end.line, end.column) - from);
 }
 
 Json values_in(const toml::node& node, std::string_view text) {
@@ -99,8 +92,9 @@ bool sets(std::string_view line, const std::string& key) {
 /// The text with another value for the one that stands there. What `init` says of a guess behind it does not
 /// hold of what a person has written.
 std::string with_value(std::string text, const toml::node& old, const std::string& value) {
-  const std::size_t begin = offset_of(text, old.source().begin), end = offset_of(text, old.source().end),
-                    line_end = std::min(text.find('\n', end), text.size()),
+  const std::string_view there = written(text, old);
+  const auto begin = static_cast<std::size_t>(there.data() - text.data());
+  const std::size_t end = begin + there.size(), line_end = std::min(text.find('\n', end), text.size()),
                     comment = std::min(text.find_first_not_of(" \t", end), line_end);
   const std::string_view remark = std::string_view(text).substr(comment, line_end - comment);
   const bool hint = remark.starts_with("# guess") || remark.find("fill it in") != remark.npos;

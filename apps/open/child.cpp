@@ -3,10 +3,8 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <pty.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -36,10 +34,15 @@ std::string command_line(const Words& arguments) {
 
 namespace {
 
-/// Two ends of a way for bytes; closed where they are still open.
+/// Two ends of a pipe; closed where they are still open.
 struct Ends {
   int read = -1, write = -1;
-  Ends() = default;
+  Ends() {
+    std::array<int, 2> both{};
+    if (::pipe2(both.data(), O_CLOEXEC) != 0) throw std::runtime_error(std::strerror(errno));
+    read = both[0];
+    write = both[1];
+  }
   Ends(const Ends&) = delete;
   Ends& operator=(const Ends&) = delete;
   ~Ends() {
@@ -50,29 +53,11 @@ struct Ends {
     if (end >= 0) ::close(end);
     end = -1;
   }
-  void pipe() {
-    std::array<int, 2> both{};
-    if (::pipe2(both.data(), O_CLOEXEC) != 0) throw std::runtime_error(std::strerror(errno));
-    read = both[0];
-    write = both[1];
-  }
-  /// Progress is shown as it comes on a terminal alone.
-  void terminal() {
-    termios raw{};
-    if (::openpty(&read, &write, nullptr, nullptr, nullptr) != 0 || ::tcgetattr(write, &raw) != 0)
-      throw std::runtime_error(std::strerror(errno));
-    ::cfmakeraw(&raw);
-    ::tcsetattr(write, TCSANOW, &raw);
-    for (const int end : {read, write}) ::fcntl(end, F_SETFD, FD_CLOEXEC);
-  }
 };
 
 Words environment_of_child() {
-  Words words;
-  for (char** word = environ; *word != nullptr; ++word)
-    if (const std::string_view text = *word; !text.starts_with("TERM=") && !text.starts_with("NO_COLOR"))
-      words.emplace_back(text);
-  words.emplace_back("TERM=xterm");
+  Words words = {"TRIBOTRACK_PROGRESS=json"};
+  for (char** word = environ; *word != nullptr; ++word) words.emplace_back(*word);
   return words;
 }
 
@@ -105,11 +90,6 @@ Printed run_itself(const Words& arguments, const std::filesystem::path& folder,
                    const std::function<void(std::string_view)>& heard,
                    const std::function<void(int)>& started) {
   Ends out, err;
-  out.pipe();
-  if (heard)
-    err.terminal();
-  else
-    err.pipe();
   Words words = arguments, environment = environment_of_child();
   words.insert(words.begin(), "tribotrack");
   const std::vector<char*> argv = pointers(words), envp = pointers(environment);
@@ -131,7 +111,7 @@ Printed run_itself(const Words& arguments, const std::filesystem::path& folder,
       if (end.fd < 0 || end.revents == 0) continue;
       const ssize_t count = ::read(end.fd, buffer.data(), buffer.size());
       if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) {  // a terminal whose other end is closed says EIO
+      if (count <= 0) {
         end.fd = -1;
         continue;
       }
@@ -159,7 +139,8 @@ bool Job::start(const Words& arguments, const std::filesystem::path& folder) {
   running_ = true;
   ++version_;
   command_ = command_line(arguments);
-  progress_ = begun_ = out_ = "";
+  begun_ = out_ = "";
+  progress_ = Json::object();
   lines_.clear();
   // Of its own, so that it lives as long as its child: the kernel ends that with the thread which made it.
   thread_ = std::thread([this, arguments, folder] {
@@ -178,7 +159,7 @@ bool Job::start(const Words& arguments, const std::filesystem::path& folder) {
     const std::lock_guard ended(mutex_);
     running_ = false;
     process_ = 0;
-    progress_ = "";
+    progress_ = Json::object();
     exit_code_ = printed.exit_code;
     out_ = std::move(printed.out);
     ++version_;
@@ -197,13 +178,13 @@ void Job::hear(std::string_view text) {
   constexpr std::size_t kLinesKept = 400;
   const std::lock_guard lock(mutex_);
   begun_ += text;
-  // A line of progress begins with "\r\033[K", which takes the last one away; a note ends with "\n".
-  for (std::size_t end; (end = begun_.find_first_of("\r\n")) != begun_.npos;) {
-    if (begun_[end] == '\r' && end + 4 > begun_.size()) break;
-    if (begun_[end] == '\n' && end > 0) lines_.push_back(begun_.substr(0, end));
-    begun_.erase(0, begun_.compare(end, 4, "\r\033[K") == 0 ? end + 4 : end + 1);
+  for (std::size_t end; (end = begun_.find('\n')) != begun_.npos; begun_.erase(0, end + 1)) {
+    const std::string line = begun_.substr(0, end);
+    if (Json said = Json::parse(line, nullptr, false); said.is_object() && said.contains("progress"))
+      progress_ = std::move(said);
+    else if (!line.empty())
+      lines_.push_back(line);
   }
-  if (!begun_.empty() && begun_[0] != '\r') progress_ = begun_;
   if (lines_.size() > kLinesKept) lines_.erase(lines_.begin(), lines_.end() - kLinesKept);
   ++version_;
   changed_.notify_all();
@@ -212,14 +193,11 @@ void Job::hear(std::string_view text) {
 Json Job::state(std::int64_t seen) {
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, std::chrono::seconds(1), [&] { return version_ > seen; });
-  const std::size_t percent = progress_.find(" %)");
-  const std::size_t open = progress_.rfind('(', percent);
-  const bool known = percent != std::string::npos && open != std::string::npos;
   return {{"version", version_},
           {"command", command_},
           {"running", running_},
-          {"progress", progress_},
-          {"percent", known ? Json(std::atoi(progress_.c_str() + open + 1)) : Json()},
+          {"progress", progress_.value("progress", "")},
+          {"percent", progress_.value("percent", Json())},
           {"lines", lines_},
           {"exit_code", running_ ? Json() : Json(exit_code_)},
           {"out", out_}};

@@ -25,8 +25,8 @@ struct Printed {
   std::string out, err;
 };
 
-/// Runs this program in a folder, with stderr as a terminal where `heard` is to be told of it as it comes. It
-/// ends with this process, however that ends. `started` is told its process.
+/// Runs this program in a folder; `heard` is told of its stderr as it comes, with lines of progress
+/// (ProgressStyle::json). It ends with this process, however that ends. `started` is told its process.
 Printed run_itself(const Words& arguments, const std::filesystem::path& folder,
                    const std::function<void(std::string_view)>& heard = {},
                    const std::function<void(int process)>& started = {});
@@ -51,7 +51,8 @@ class Job {
   std::int64_t version_ = 0;
   int process_ = 0;
   bool running_ = false;
-  std::string command_, progress_, begun_, out_;  ///< begun_: a line whose end is to come
+  std::string command_, begun_, out_;  ///< begun_: a line whose end is to come
+  Json progress_ = Json::object();     ///< the last line of progress
   Words lines_;
   int exit_code_ = 0;
 };

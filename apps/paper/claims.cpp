@@ -165,11 +165,7 @@ Answer circular_end_state(const Solver&) {
                       orbit->drift.norm() / s.drive.amplitude});
   }
   return {
-      worst > 1e-11 ? Verdict::refuted : Verdict::exact,
-      worst,
-      "",
-      "radius and drift off the closed form, at most",
-      "mu1 below a/g",
+      worst > 1e-11 ? Verdict::refuted : Verdict::exact, worst,
       "The periodic motion at constant mu < a/g (a = A_e omega^2) is the circle of the closed form and goes "
       "nowhere; at higher mu the part rests."};
 }
@@ -177,11 +173,7 @@ Answer circular_end_state(const Solver&) {
 Answer keeps_moving(const Solver& solve) {
   const Curve run = solve(three_cycles(0.31e-3, pi / 4));
   const double steady = run.steady_v_mm_s[0];
-  return {steady > 0 ? Verdict::holds : Verdict::refuted,
-          steady,
-          "mm/s",
-          "v of the steady motion",
-          "mu1 = 0.122, A_e = 0.31 mm, dtau = pi/4",
+  return {steady > 0 ? Verdict::holds : Verdict::refuted, steady,
           fmt::format("It goes on at v = {:.3f} mm/s for ever, after {:.3f} mm/s over the first 3 cycles.",
                       steady, run.v_mm_s[0])};
 }
@@ -202,9 +194,6 @@ Answer displacement_over_width(const Solver& solve) {
           : last < 2 * pi     ? Verdict::holds_in_part
                               : Verdict::holds,
           least,
-          "times",
-          "displacement grows at least",
-          "dtau = pi/10 to pi/4",
           fmt::format(
               "From pi/10 to pi/4 the displacement over 3 cycles grows {:.1f} to {:.1f} times; it grows up "
               "to dtau = {:.2f} to {:.2f} rad only and falls after.",
@@ -223,11 +212,7 @@ Answer alpha_by_phase(const Solver& solve) {
     by_width = std::max(by_width, degrees_between(alpha(a, pi / 10, 0), wide));
     by_amplitude = std::max(by_amplitude, degrees_between(reference, wide));
   }
-  return {by_phi < std::max(by_width, by_amplitude) ? Verdict::refuted : Verdict::holds,
-          by_phi,
-          "deg",
-          "alpha turned at least",
-          "phi = 11 pi/9 to 17 pi/9, dtau = pi/4",
+  return {by_phi < std::max(by_width, by_amplitude) ? Verdict::refuted : Verdict::holds, by_phi,
           fmt::format(
               "120 deg more of phi turn alpha by at least {:.0f} deg; dtau from pi/10 to pi/4 turns it by "
               "at most {:.0f} deg, A_e from 0.28 to 0.32 mm by {:.0f} deg.",
@@ -235,12 +220,7 @@ Answer alpha_by_phase(const Solver& solve) {
 }
 
 Answer full_circle(const Solver& solve) {
-  Answer answer{Verdict::holds,
-                0,
-                "",
-                "turns of alpha per turn of phi, 20 cycles from rest",
-                "",
-                "Over one turn of phi alpha turns once the other way, from rest as well."};
+  Answer answer{Verdict::holds, 0, "Over one turn of phi alpha turns once the other way, from rest as well."};
   for (const auto& [conditions, scenario] : cases_of({0.1}, {pi / 6, pi / 3, pi})) {
     const Values alpha = solve(scenario, "phi_rad", 0, 2 * pi, 73).alpha_rad;
     answer.value = (alpha.back() - alpha.front()) / (2 * pi);
@@ -256,11 +236,7 @@ Answer less_stretched(const Solver&) {
     narrow = std::max(narrow, stretch(paper_conditions(0.12, pi / 6, 2 * pi * i / 8)));
     wide = std::min(wide, stretch(paper_conditions(0.12, pi, 2 * pi * i / 8)));
   }
-  return {wide > narrow ? Verdict::refuted : Verdict::holds_in_part,
-          wide,
-          "",
-          "displacement over path, at least",
-          "dtau = pi",
+  return {wide > narrow ? Verdict::refuted : Verdict::holds_in_part, wide,
           fmt::format(
               "More stretched: the displacement is at least {:.2f} of the path at dtau = pi, at most {:.2f} "
               "at pi/6. The paper's own sentence on figure 4 says so too.",
@@ -277,12 +253,8 @@ Answer v_over_width(const Solver& solve) {
       const Values before = solve(s, "dtau_rad", 0, widest, 40).steady_v_mm_s,
                    after = solve(s, "dtau_rad", widest, 2 * pi, 20).steady_v_mm_s;
       if (stretch_back(before, 1).second > 0 || stretch_back(after, -1).second > 0)
-        return {Verdict::refuted,
-                widest,
-                "rad",
-                "dtau of the greatest v, steady",
-                fmt::format("mu1 = {:g}, mu1/mu2 = {:g}", mu1, ratio),
-                "Here v has more than one maximum."};
+        return {Verdict::refuted, widest, "Here v has more than one maximum.",
+                fmt::format("mu1 = {:g}, mu1/mu2 = {:g}", mu1, ratio)};
       least = std::min(least, widest);
       greatest = std::max(greatest, widest);
       if (mu1 != 0.1 || ratio != 8) continue;  // figure 6
@@ -291,11 +263,7 @@ Answer v_over_width(const Solver& solve) {
       below = 100 * (1 - solve(s).steady_v_mm_s[0] / after.front());
     }
   const bool far = std::max(greatest - 1.5 * pi, 1.5 * pi - least) > 0.1;
-  return {far ? Verdict::holds_in_part : Verdict::holds,
-          in_figure,
-          "rad",
-          "dtau of the greatest v, steady",
-          "mu1 = 0.1, mu1/mu2 = 8",
+  return {far ? Verdict::holds_in_part : Verdict::holds, in_figure,
           fmt::format(
               "One maximum, not at 3 pi/2 = 4.712 rad but at dtau = {:.3f} to {:.3f} rad, set mostly by "
               "mu1/mu2: at {:.3f} rad for mu1 = 0.1, mu1/mu2 = 8, where v at 3 pi/2 is {:.1f} % below it.",
@@ -316,8 +284,7 @@ Answer v_along(const Solver& solve, const Swept& swept, int sign, const Cases& c
   const auto range = [&](double from, double to) {
     return fmt::format("{} = {:.4g} to {:.4g}{}", swept.name, from, to, swept.unit);
   };
-  Answer answer{
-      Verdict::holds, -1, "%", sign > 0 ? "deepest fall of steady v" : "highest rise of steady v", "", ""};
+  Answer answer{Verdict::holds, -1};
   for (const auto& [conditions, scenario] : cases) {
     const Curve curve = solve(scenario, swept.parameter, swept.from, swept.to, swept.count);
     const double back = deepest_step_back(curve.steady_v_mm_s, sign);
@@ -332,28 +299,6 @@ Answer v_along(const Solver& solve, const Swept& swept, int sign, const Cases& c
   }
   answer.finding = answer.finding.empty() ? throughout : answer.finding + ".";
   return answer;
-}
-
-Answer v_over_ratio(const Solver& solve) {
-  return v_along(solve, {"mu1_over_mu2", "mu1/mu2", "", 1, 20, 77}, 1,
-                 cases_of({0.08, 0.1, 0.12}, {pi / 6, pi, 3 * pi / 2, 5.8}),
-                 "Rises throughout, by less and less.");
-}
-
-Answer v_over_amplitude(const Solver& solve) {
-  return v_along(solve, {"amplitude_mm", "A_e", " mm", 0.1, 2, 96}, 1,
-                 cases_of({0.1}, {pi / 6, 2 * pi / 3, 3 * pi / 2}, pi / 2), "Rises throughout.");
-}
-
-Answer v_over_frequency(const Solver& solve) {
-  return v_along(solve, {"omega_rad_s", "omega", " rad/s", 40, 160, 61}, 1,
-                 cases_of({0.08, 0.1, 0.12}, {pi / 6, 2 * pi / 3, 3 * pi / 2}, pi / 2), "Rises throughout.");
-}
-
-Answer v_over_friction(const Solver& solve) {
-  Cases cases = cases_of({0.1}, {pi / 6, pi / 3, 2 * pi / 3, pi, 3 * pi / 2});
-  for (auto& [conditions, scenario] : cases) conditions.erase(0, conditions.find("dtau"));
-  return v_along(solve, {"mu1", "mu1", "", 0.01, 0.2, 96}, -1, cases, "Falls throughout.");
 }
 
 /// The law of the steady motion over a turn of phi, and how far from it 20 cycles from rest are: `off` says
@@ -377,11 +322,7 @@ Answer v_over_phase(const Solver& solve) {
       over_phase(solve, cases_of({0.05, 0.1, 0.12, 0.122}, {pi / 6, pi / 3, pi}),
                  [](const Curve&, const Values&, const Values& v) { return 100 * spread(v) / mean(v); });
   return {
-      steady > kRounding ? Verdict::refuted : Verdict::exact,
-      steady,
-      "%",
-      "spread of steady v over phi, at most",
-      "",
+      steady > kRounding ? Verdict::refuted : Verdict::exact, steady,
       fmt::format("Steady: exactly (rotation). Over 20 cycles from rest v varies with phi by up to {:.0f} % "
                   "({}).",
                   rest, where)};
@@ -396,18 +337,14 @@ Answer alpha_over_phase(const Solver& solve) {
                    return degrees(std::max(std::ranges::max(sums) - middle, middle - std::ranges::min(sums)));
                  });
   return {
-      steady > kRounding ? Verdict::refuted : Verdict::exact,
-      steady,
-      "deg",
-      "alpha off slope -1, steady, at most",
-      "",
+      steady > kRounding ? Verdict::refuted : Verdict::exact, steady,
       fmt::format("Steady: slope exactly -1 (rotation). Over 20 cycles from rest alpha leaves the line by up "
                   "to {:.1f} deg ({}), since the transient does not turn with phi.",
                   rest, where)};
 }
 
 Answer alpha_over_width(const Solver& solve) {
-  Answer answer{Verdict::holds, 0, "rad/rad", "steepest mean slope of alpha, steady", "", ""};
+  Answer answer{Verdict::holds, 0};
   std::string falls, rises;  // mu1 for which alpha only falls, also rises
   for (const double mu1 : {0.02, 0.05, 0.08, 0.1, 0.11, 0.12, 0.122}) {
     const Curve curve = solve(paper_conditions(mu1, 0), "dtau_rad", 0.1, 6.2, 62);
@@ -433,11 +370,7 @@ Answer alpha_over_amplitude(const Solver& solve) {
     most = std::max(
         most, degrees(spread(solve(paper_conditions(0.1, 2 * pi / 3, pi / 2), "amplitude_mm", from, to, 40)
                                  .steady_alpha_rad)));
-  return {most > 5 ? Verdict::holds_in_part : Verdict::holds,
-          most,
-          "deg",
-          "range of steady alpha, at most",
-          "A_e above 1 mm",
+  return {most > 5 ? Verdict::holds_in_part : Verdict::holds, most,
           fmt::format(
               "Steady alpha moves by at most {:.2f} deg within each range above 1 mm; from rest more, as 20 "
               "cycles are then only part of the transient.",
@@ -458,11 +391,7 @@ Answer alpha_over_frequency(const Solver& solve) {
     if (curve.swept[k] > same_as_1_mm) range = std::max(range, degrees_between(first, alpha));
   }
   return {
-      off > kRounding ? Verdict::refuted : Verdict::exact,
-      off,
-      "deg",
-      "alpha off that at the same A_e omega^2, at most",
-      "mu1 = 0.1, dtau = 2 pi/3, omega = 45 to 160 rad/s",
+      off > kRounding ? Verdict::refuted : Verdict::exact, off,
       fmt::format("Exactly alike: steady alpha depends on A_e omega^2 alone, so that 1 mm at 62.8 rad/s is "
                   "{:.0f} rad/s at 0.28 mm; from there to 160 rad/s it moves by {:.1f} deg.",
                   same_as_1_mm, range)};
@@ -472,11 +401,7 @@ Answer alpha_over_ratio(const Solver& solve) {
   double most = 0;
   for (const auto& [conditions, scenario] : cases_of({0.1}, {pi / 6, 2 * pi / 3, pi}))
     most = std::max(most, degrees(spread(solve(scenario, "mu1_over_mu2", 2, 20, 37).steady_alpha_rad)));
-  return {most > 10 ? Verdict::holds_in_part : Verdict::holds,
-          most,
-          "deg",
-          "range of steady alpha, at most",
-          "mu1/mu2 = 2 to 20",
+  return {most > 10 ? Verdict::holds_in_part : Verdict::holds, most,
           fmt::format("It moves alpha by up to {:.1f} deg for mu1/mu2 between 2 and 20.", most)};
 }
 
@@ -497,11 +422,7 @@ Answer effect_of_tilt(const Solver& solve) {
                           100 * std::abs(here.steady_v_mm_s[0] / level.steady_v_mm_s[0] - 1)});
     }
   }
-  return {Verdict::holds_in_part,
-          turned,
-          "deg",
-          "alpha turned, at most",
-          "0.1 deg of tilt",
+  return {Verdict::holds_in_part, turned,
           fmt::format(
               "0.1 deg of tilt turns alpha by up to {:.0f} deg and changes v by up to {:.0f} %, most at "
               "narrow pulses: the model holds as far as the platform is level, and a fit to recordings has "
@@ -512,11 +433,7 @@ Answer effect_of_tilt(const Solver& solve) {
 Answer v_in_experiment(const Solver& solve) {
   const Values v = solve(paper_conditions(0.1, 0), "dtau_rad", pi / 12, pi, 45).v_mm_s;
   const double back = deepest_step_back(v, 1);
-  return {back > 0 ? Verdict::holds_in_part : Verdict::holds,
-          back,
-          "%",
-          "deepest fall of v",
-          "mu1 = 0.1, dtau = pi/12 to pi",
+  return {back > 0 ? Verdict::holds_in_part : Verdict::holds, back,
           fmt::format("The model's v over 20 cycles from rest rises{}, from {:.2f} to {:.2f} mm/s.",
                       back > 0 ? ", though not throughout" : " throughout", v.front(), v.back())};
 }
@@ -532,11 +449,7 @@ Answer further_in_experiment(const Solver&) {
     }
   }
   return {
-      least > 1 ? Verdict::holds : Verdict::holds_in_part,
-      least,
-      "times",
-      "displacement grows from one to the next at least",
-      "dtau = pi/6, pi/3, pi/2, 2 pi/3, pi",
+      least > 1 ? Verdict::holds : Verdict::holds_in_part, least,
       fmt::format("In the model, at every phi: over 20 cycles from rest each of pi/6, pi/3, pi/2, 2 pi/3, pi "
                   "takes it at least {:.2f} times as far as the one before.",
                   least)};
@@ -544,71 +457,125 @@ Answer further_in_experiment(const Solver&) {
 
 struct Stated {
   Statement statement;
+  const char* conditions;  ///< of the number that decides; "": the answer's own
   Answer (*compute)(const Solver&);
 };
 
 constexpr Stated kStated[] = {
     {{3, "circular end state", "2.2, figure 3",
-      "eventually the part starts to oscillate around the point of equilibrium in a circular trajectory"},
+      "eventually the part starts to oscillate around the point of equilibrium in a circular trajectory",
+      "radius and drift off the closed form, at most", ""},
+     "mu1 below a/g",
      circular_end_state},
-    {{3, "keeps moving", "2.2, figure 3 (mu not constant)", "In this case, the part continues to be moving"},
+    {{3, "keeps moving", "2.2, figure 3 (mu not constant)", "In this case, the part continues to be moving",
+      "v of the steady motion", "mm/s"},
+     "mu1 = 0.122, A_e = 0.31 mm, dtau = pi/4",
      keeps_moving},
     {{4, "displacement over dtau", "2.2, figures 4a and 4b; 4",
       "When dtau increases, a higher system asymmetry is created, and due this reason the displacement of "
       "the "
-      "part increases at the same number of circular oscillation cycles"},
+      "part increases at the same number of circular oscillation cycles",
+      "displacement grows at least", "times"},
+     "dtau = pi/10 to pi/4",
      displacement_over_width},
     {{4, "alpha mostly by phi", "2.2, figures 4c and 4d",
-      "The angle of displacement mainly depends on the phase shift phi"},
+      "The angle of displacement mainly depends on the phase shift phi", "alpha turned at least", "deg"},
+     "phi = 11 pi/9 to 17 pi/9, dtau = pi/4",
      alpha_by_phase},
     {{5, "full circle", "2.2, figures 5 and 7a; 4",
       "The angle of displacement alpha can be controlled in a full range from 0 to 2 pi by changing the "
       "phase "
-      "shift phi"},
+      "shift phi",
+      "turns of alpha per turn of phi, 20 cycles from rest", ""},
+     "",
      full_circle},
-    {{5, "less stretched", "2.2, figure 5",
-      "the trajectories at the higher value of dtau are less stretched"},
+    {{5, "less stretched", "2.2, figure 5", "the trajectories at the higher value of dtau are less stretched",
+      "displacement over path, at least", ""},
+     "dtau = pi",
      less_stretched},
     {{6, "v over dtau", "2.2, figure 6a; 4",
       "As dtau increases up to 3 pi/2, the mean displacement velocity v also increases [...] However, a "
       "further "
-      "increase in dtau results in a decrease in v"},
+      "increase in dtau results in a decrease in v",
+      "dtau of the greatest v, steady", "rad"},
+     "mu1 = 0.1, mu1/mu2 = 8",
      v_over_width},
     {{6, "v over mu1/mu2", "2.2, figure 6b",
-      "As mu1/mu2 increases, the displacement velocity v increases as well"},
-     v_over_ratio},
-    {{6, "v over A_e", "2.2, figure 6c", "The mean displacement velocity v increases as A_e increases"},
-     v_over_amplitude},
-    {{6, "v over omega", "2.2, figure 6d", "Similarly, as omega increases, v increases as well"},
-     v_over_frequency},
-    {{6, "v over mu1", "2.2, figures 6b and 6d", "Also, higher v values were observed at lower mu1 values"},
-     v_over_friction},
-    {{6, "v over phi", "2.2", "The modeling revealed that v does not depend on the phase shift phi"},
+      "As mu1/mu2 increases, the displacement velocity v increases as well", "deepest fall of steady v", "%"},
+     "",
+     [](const Solver& solve) {
+       return v_along(solve, {"mu1_over_mu2", "mu1/mu2", "", 1, 20, 77}, 1,
+                      cases_of({0.08, 0.1, 0.12}, {pi / 6, pi, 3 * pi / 2, 5.8}),
+                      "Rises throughout, by less and less.");
+     }},
+    {{6, "v over A_e", "2.2, figure 6c", "The mean displacement velocity v increases as A_e increases",
+      "deepest fall of steady v", "%"},
+     "",
+     [](const Solver& solve) {
+       return v_along(solve, {"amplitude_mm", "A_e", " mm", 0.1, 2, 96}, 1,
+                      cases_of({0.1}, {pi / 6, 2 * pi / 3, 3 * pi / 2}, pi / 2), "Rises throughout.");
+     }},
+    {{6, "v over omega", "2.2, figure 6d", "Similarly, as omega increases, v increases as well",
+      "deepest fall of steady v", "%"},
+     "",
+     [](const Solver& solve) {
+       return v_along(solve, {"omega_rad_s", "omega", " rad/s", 40, 160, 61}, 1,
+                      cases_of({0.08, 0.1, 0.12}, {pi / 6, 2 * pi / 3, 3 * pi / 2}, pi / 2),
+                      "Rises throughout.");
+     }},
+    {{6, "v over mu1", "2.2, figures 6b and 6d", "Also, higher v values were observed at lower mu1 values",
+      "highest rise of steady v", "%"},
+     "",
+     [](const Solver& solve) {
+       Cases cases = cases_of({0.1}, {pi / 6, pi / 3, 2 * pi / 3, pi, 3 * pi / 2});
+       for (auto& [conditions, scenario] : cases) conditions.erase(0, conditions.find("dtau"));
+       return v_along(solve, {"mu1", "mu1", "", 0.01, 0.2, 96}, -1, cases, "Falls throughout.");
+     }},
+    {{6, "v over phi", "2.2", "The modeling revealed that v does not depend on the phase shift phi",
+      "spread of steady v over phi, at most", "%"},
+     "",
      v_over_phase},
-    {{7, "alpha linear in phi", "2.2, figure 7a", "A linear relation between alpha and phi was observed"},
+    {{7, "alpha linear in phi", "2.2, figure 7a", "A linear relation between alpha and phi was observed",
+      "alpha off slope -1, steady, at most", "deg"},
+     "",
      alpha_over_phase},
-    {{7, "alpha over dtau", "2.2, figure 7b", "As dtau increases, alpha slowly decreases"}, alpha_over_width},
+    {{7, "alpha over dtau", "2.2, figure 7b", "As dtau increases, alpha slowly decreases",
+      "steepest mean slope of alpha, steady", "rad/rad"},
+     "",
+     alpha_over_width},
     {{7, "alpha over A_e", "2.2, figure 7c",
       "At higher amplitudes (higher than 1 mm), a negligible influence of A_e on the displacement angle "
       "alpha "
-      "was observed"},
+      "was observed",
+      "range of steady alpha, at most", "deg"},
+     "A_e above 1 mm",
      alpha_over_amplitude},
     {{7, "alpha over omega", "2.2, figure 7d",
-      "Similar processes were observed as the angular frequency of the circular excitation was varying"},
+      "Similar processes were observed as the angular frequency of the circular excitation was varying",
+      "alpha off that at the same A_e omega^2, at most", "deg"},
+     "mu1 = 0.1, dtau = 2 pi/3, omega = 45 to 160 rad/s",
      alpha_over_frequency},
     {{7, "alpha over mu1/mu2", "2.2",
-      "The ratio mu1/mu2 does not have a high influence on the displacement angle alpha"},
+      "The ratio mu1/mu2 does not have a high influence on the displacement angle alpha",
+      "range of steady alpha, at most", "deg"},
+     "mu1/mu2 = 2 to 20",
      alpha_over_ratio},
     {{9, "tilt", "2.1",
-      "The manipulation system consists of a horizontal platform excited in two perpendicular directions"},
+      "The manipulation system consists of a horizontal platform excited in two perpendicular directions",
+      "alpha turned, at most", "deg"},
+     "0.1 deg of tilt",
      effect_of_tilt},
     {{10, "v over dtau, measured", "3.2, figure 10",
       "In the analyzed range, an increase in the mean displacement velocity v was observed as dtau was "
-      "increasing"},
+      "increasing",
+      "deepest fall of v", "%"},
+     "mu1 = 0.1, dtau = pi/12 to pi",
      v_in_experiment},
     {{11, "further at wider dtau", "3.2, figure 11",
       "the part is displaced further under higher dtau values, after the same number of circular oscillation "
-      "cycles"},
+      "cycles",
+      "displacement grows from one to the next at least", "times"},
+     "dtau = pi/6, pi/3, pi/2, 2 pi/3, pi",
      further_in_experiment},
 };
 
@@ -620,6 +587,7 @@ std::vector<Claim> paper_claims(const Context& context, const std::function<void
   std::vector<Claim> claims;
   for (const Stated& stated : kStated) {
     claims.push_back({stated.statement, stated.compute(solver)});
+    if (claims.back().conditions.empty()) claims.back().conditions = stated.conditions;
     if (progress) progress(static_cast<int>(claims.size()), static_cast<int>(std::size(kStated)));
   }
   return claims;

@@ -28,7 +28,7 @@ const char* style_of(Verdict verdict) {
 std::string deciding_html(const Claim& claim) {
   constexpr double kRounding = 1e-9;  // below it the size matters, not the digits
   return fmt::format("<b>{}{}{}</b> {}{}", number(claim.value, std::abs(claim.value) < kRounding ? 1 : 4),
-                     claim.unit.empty() ? "" : " ", escape_html(claim.unit), sentence_html(claim.quantity),
+                     *claim.unit ? " " : "", escape_html(claim.unit), sentence_html(claim.quantity),
                      claim.conditions.empty() ? "" : "; " + sentence_html(claim.conditions));
 }
 

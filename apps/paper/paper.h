@@ -25,16 +25,15 @@ struct Statement {
   const char* place;  ///< its section or figure
   /// In the paper's own words, "[...]" where some are left out; its symbols as words: "phi", "A_e", "3 pi/2".
   const char* statement;
+  const char *quantity, *unit;  ///< of the number that decides; unit "": a pure number
 };
 
 /// What is found: the verdict follows from the number.
 struct Answer {
   Verdict verdict;
   double value;
-  std::string unit;  ///< "": a pure number
-  std::string quantity;
-  std::string conditions;  ///< beside the paper's own: mu2 = mu1/8, A = 0.28 mm, w = 62.8 rad/s, ...
-  std::string finding;     ///< one sentence
+  std::string finding = {};     ///< one sentence
+  std::string conditions = {};  ///< beside the paper's own: mu2 = mu1/8, A = 0.28 mm, w = 62.8 rad/s, ...
 };
 
 struct Claim : Statement, Answer {};

@@ -77,8 +77,7 @@ void run_part_by_part(const Campaign& campaign, const RunnerOptions& options, bo
     try {
       carry_out(runner);
     } catch (const InvalidInput& error) {
-      complain(fmt::format("part {}: {}", name, error.what()));
-      context.exit_code = kQualityGate;
+      context.doubt(kQualityGate, fmt::format("part {}: {}", name, error.what()));
       continue;
     }
     if (options.json)
@@ -277,10 +276,9 @@ void CampaignRunner::say_what_happened() const {
   for (const Run& run : fitted_.runs)
     if (!run.log.again.empty())
       say(context_.quiet, fmt::format("note: {} was tracked again: {}", run.given.name, run.log.again));
-  if (failed() > 0) {
-    complain(fmt::format("{} of {} runs failed and were left out", failed(), fitted_.runs.size()));
-    context_.exit_code = kQualityGate;
-  }
+  if (failed() > 0)
+    context_.doubt(kQualityGate,
+                   fmt::format("{} of {} runs failed and were left out", failed(), fitted_.runs.size()));
   report_fit(campaign_, fitted_, options_.explain, "the report", context_);
 }
 

@@ -202,13 +202,6 @@ void allow_for_missing(const std::vector<Run>& runs, int allowed, const Context&
   }
 }
 
-fit::Loss loss_named(const std::string& word) {
-  const auto found = std::ranges::find(losses(), word);
-  if (found == losses().end())
-    throw UsageError(fmt::format("--loss must be squares or huber, not \"{}\"", word));
-  return static_cast<fit::Loss>(found - losses().begin());
-}
-
 }  // namespace
 
 const std::vector<std::string>& losses() {
@@ -218,7 +211,7 @@ const std::vector<std::string>& losses() {
 
 FittedCampaign fit_campaign(const Campaign& campaign, const FitChoices& choices, const Context& context) {
   fit::FitOptions options = choices.fit;
-  options.loss = loss_named(choices.loss);
+  options.loss = static_cast<fit::Loss>(std::ranges::find(losses(), choices.loss) - losses().begin());
   LineOfWork line;
   line.track = [&](Run& run, const FramesDone& frames_done) {
     if (run.given.has_track()) run.track = track_of(campaign, run.given, choices, frames_done);

@@ -69,7 +69,7 @@ struct FitChoices {
 const std::vector<std::string>& losses();
 
 /// Throws InvalidInput for the first of more failed runs than are allowed (those that are allowed for are
-/// told on stderr, unless quiet), UsageError for another loss, fit::DataError.
+/// told on stderr, unless quiet), fit::DataError.
 FittedCampaign fit_campaign(const Campaign& campaign, const FitChoices& choices, const Context& context);
 
 }  // namespace tribotrack::apps

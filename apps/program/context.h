@@ -9,6 +9,8 @@
 
 namespace tribotrack::apps {
 
+struct Called;
+
 /// The options every command has, and how the command ended.
 struct Context {
   bool quiet = false;
@@ -17,7 +19,10 @@ struct Context {
   /// Told of progress, beside the terminal, by any of the threads at work and by several at once. What it
   /// throws ends the work; runs of a campaign go on after a std::exception.
   std::function<void(const std::string& stage, std::int64_t done, std::int64_t total)> progress;
+  Called* called = nullptr;  ///< by a program instead of from a shell (called.h)
 
+  /// Of what stands against using the results: said on stderr, quiet or not, or handed to the caller.
+  void doubt(ExitCode code, const std::string& sentence);
   void tell(const std::string& stage, std::int64_t done, std::int64_t total) const {
     if (progress) progress(stage, done, total);
   }

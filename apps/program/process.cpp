@@ -12,6 +12,7 @@
 #include <fstream>
 #include <string>
 
+#include "apps/program/called.h"
 #include "apps/program/context.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
@@ -31,6 +32,11 @@ int threads_to_use(const Context& context) {
   if (quota_file >> quota >> period && quota != "max" && period > 0)
     count = std::min(count, std::max(1, static_cast<int>(std::atof(quota.c_str()) / period)));
   return std::max(1, count);
+}
+
+void Context::doubt(ExitCode code, const std::string& sentence) {
+  exit_code = code;
+  called ? called->doubts.push_back(sentence) : complain(sentence);
 }
 
 namespace {
@@ -96,6 +102,8 @@ constexpr std::chrono::seconds kPlain{10};
 
 ProgressStyle progress_style(bool quiet) {
   if (quiet) return ProgressStyle::none;
+  if (const char* asked = std::getenv("TRIBOTRACK_PROGRESS"); asked && std::string_view(asked) == "json")
+    return ProgressStyle::json;
   const char* terminal = std::getenv("TERM");
   const bool rewrites = ::isatty(STDERR_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr &&
                         terminal != nullptr && std::string_view(terminal) != "dumb";
@@ -107,6 +115,7 @@ ProgressLine::ProgressLine(ProgressStyle style, std::FILE* to)
 
 void ProgressLine::clear() {
   if (shown_ && style_ == ProgressStyle::rewritten) std::fputs("\r\033[K", to_);
+  if (shown_ && style_ == ProgressStyle::json) show("", 100);
   shown_ = false;
 }
 
@@ -116,11 +125,14 @@ bool ProgressLine::is_due(bool last) const {
   return !shown_ || last || steady_clock::now() - last_ >= kRewrite;
 }
 
-void ProgressLine::show(std::string_view line) {
+void ProgressLine::show(std::string_view line, int percent) {
   last_ = steady_clock::now();
   shown_ = true;
-  const std::string text = style_ == ProgressStyle::rewritten ? fmt::format("\r\033[K{}", printable(line))
-                                                              : printable(line) + "\n";
+  const std::string shown = printable(line);
+  const std::string text = style_ == ProgressStyle::rewritten ? "\r\033[K" + shown
+                           : style_ == ProgressStyle::json
+                               ? fit::Json{{"progress", shown}, {"percent", percent}}.dump() + "\n"
+                               : shown + "\n";
   std::fputs(text.c_str(), to_);
   std::fflush(to_);
 }
@@ -137,14 +149,19 @@ std::string progress_text(std::int64_t done, std::int64_t total, const std::stri
   return text + fmt::format(", {:.0f} s left", static_cast<double>(total - done) / rate);
 }
 
-Progress::Progress(std::string what, bool quiet, std::string unit)
-    : what_(std::move(what)), unit_(std::move(unit)), line_(progress_style(quiet)) {}
+Progress::Progress(std::string what, const Context& context, std::string unit)
+    : what_(std::move(what)),
+      unit_(std::move(unit)),
+      context_(context),
+      line_(progress_style(context.quiet)) {}
 
 void Progress::update(std::int64_t done, std::int64_t total) {
+  context_.tell(what_, done, total);
   if (total <= 0) return;
   const std::lock_guard lock(mutex_);
   if (line_.is_due(done >= total))
-    line_.show(fmt::format("{}: {}", what_, progress_text(done, total, unit_, line_.seconds())));
+    line_.show(fmt::format("{}: {}", what_, progress_text(done, total, unit_, line_.seconds())),
+               static_cast<int>(100 * done / total));
   if (done >= total) line_.clear();  // notes may come before this object goes
 }
 
@@ -187,7 +204,7 @@ void RunsProgress::show() {
   if (frames > 0 && seconds > 0)
     text += fmt::format(", {:.0f} frames/s, {:.0f} s left", static_cast<double>(frames) / seconds,
                         seconds * (1 - share) / share);
-  line_.show(text);
+  line_.show(text, static_cast<int>(100 * share));
 }
 
 }  // namespace tribotrack::apps

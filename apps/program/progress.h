@@ -11,11 +11,14 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/program/context.h"
+
 namespace tribotrack::apps {
 
 /// How progress is shown: on a terminal one line that is rewritten ten times a second; elsewhere, and where
-/// TERM=dumb or NO_COLOR, a plain line every 10 s, so that short work says nothing.
-enum class ProgressStyle { none, plain, rewritten };
+/// TERM=dumb or NO_COLOR, a plain line every 10 s, so that short work says nothing. For a program that asks
+/// by TRIBOTRACK_PROGRESS=json a line {"progress": TEXT, "percent": NUMBER} ten times a second.
+enum class ProgressStyle { none, plain, rewritten, json };
 ProgressStyle progress_style(bool quiet);
 
 /// One line of progress, shown no more often than its style allows, and taken away at the end.
@@ -27,7 +30,7 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
   /// May a line be shown now? `last`: nothing comes after it.
   bool is_due(bool last) const;
-  void show(std::string_view line);
+  void show(std::string_view line, int percent);
   void clear();            ///< what comes next begins at the margin
   double seconds() const;  ///< since it was made
 
@@ -41,14 +44,15 @@ class ProgressLine {
 /// "4000/20000 (20 %), 812 frames/s, 20 s left"; `unit` may be empty.
 std::string progress_text(std::int64_t done, std::int64_t total, const std::string& unit, double seconds);
 
-/// Work that is counted. Thread-safe.
+/// Work that is counted, told to whoever the context names as well. Thread-safe.
 class Progress {
  public:
-  Progress(std::string what, bool quiet, std::string unit = "");
+  Progress(std::string what, const Context& context, std::string unit = "");
   void update(std::int64_t done, std::int64_t total);
 
  private:
   std::string what_, unit_;
+  const Context& context_;
   std::mutex mutex_;
   ProgressLine line_;
 };

@@ -277,18 +277,14 @@ Json settings_of(const Recording& recording) {
 }
 
 Recording checked(Recording recording) {
-  std::vector<std::filesystem::path> files = {recording.video};
+  std::vector<std::filesystem::path> files;
+  if (!recording.source) files.push_back(recording.video);
   if (recording.camera.calibration) files.push_back(*recording.camera.calibration);
   recording = with_inputs(std::move(recording), files);
-  recording.key =
-      hash_of_text(TRIBOTRACK_VERSION + recording.configuration.dump() + recording.inputs[0].xxh3_128);
+  if (!recording.source)
+    recording.key =
+        hash_of_text(TRIBOTRACK_VERSION + recording.configuration.dump() + recording.inputs[0].xxh3_128);
   return recording;
-}
-
-Recording checked_in_memory(Recording recording) {
-  if (!recording.camera.calibration) return with_inputs(std::move(recording), {});
-  const std::filesystem::path calibration = *recording.camera.calibration;
-  return with_inputs(std::move(recording), {calibration});
 }
 
 std::optional<std::string> why_outdated(const std::filesystem::path& csv, const Recording& recording) {

@@ -40,7 +40,8 @@ struct Recording {
   double hashing_s = 0;  ///< wall time that the inputs' hashes took
 
   // Tracked.
-  std::shared_ptr<vision::FrameSource> source;    ///< still open, for pictures of the track
+  /// Still open, for pictures of the track. Frames in memory: given, in place of a file.
+  std::shared_ptr<vision::FrameSource> source;
   vision::TrackResult result;                     ///< its stage times begin with the hashing of the inputs
   std::optional<vision::PlaneGeometry> geometry;  ///< nothing where neither scale nor diameter was given
   std::optional<vision::Scale> scale;             ///< of the part's top, where there is a geometry
@@ -97,10 +98,8 @@ Recording recording_of(const std::filesystem::path& video, const TrackChoices& c
 /// How it is tracked, apart from what its inputs hold: the key's configuration, no file looked at.
 Json settings_of(const Recording& recording);
 
-/// With the content of its inputs and its key. Throws InvalidInput.
+/// With the content of its inputs and its key, of which frames in memory have neither. Throws InvalidInput.
 Recording checked(Recording recording);
-/// The same for frames that are in memory already: there is nothing to hash but a calibration, and no key.
-Recording checked_in_memory(Recording recording);
 
 /// Why the track in csv is not that of a recording just checked: edited, of other settings, of another
 /// recording or revision of this program; empty where there is none. Nothing where it is the one.

@@ -138,9 +138,14 @@ std::filesystem::path question_picture(const std::filesystem::path& beside,
   return name.replace_extension(".discs.png");
 }
 
-Recording track_source(Recording recording, std::shared_ptr<vision::FrameSource> source,
-                       const std::optional<std::filesystem::path>& picture) {
-  recording.source = std::move(source);
+}  // namespace
+
+Recording tracked(Recording recording, const std::optional<std::filesystem::path>& beside) {
+  std::optional<std::filesystem::path> picture;
+  if (beside) picture = question_picture(*beside, recording.video);
+  if (!recording.source)
+    recording.source = vision::open_source(
+        recording.video, {recording.camera.frame_rate_hz, recording.camera.frame_rate_reason});
   const vision::SourceInfo& info = recording.info();
   require_trackable(recording, info);
   vision::TrackResult& result = recording.result;
@@ -173,20 +178,6 @@ Recording track_source(Recording recording, std::shared_ptr<vision::FrameSource>
                                    recording.video.string(), error.what()));
   }
   return recording;
-}
-
-}  // namespace
-
-Recording tracked(Recording recording, const std::optional<std::filesystem::path>& beside) {
-  std::optional<std::filesystem::path> picture;
-  if (beside) picture = question_picture(*beside, recording.video);
-  std::shared_ptr<vision::FrameSource> source = vision::open_source(
-      recording.video, {recording.camera.frame_rate_hz, recording.camera.frame_rate_reason});
-  return track_source(std::move(recording), std::move(source), picture);
-}
-
-Recording tracked(Recording recording, std::shared_ptr<vision::FrameSource> source) {
-  return track_source(std::move(recording), std::move(source), std::nullopt);
 }
 
 Json summary_json(const Recording& recording) {

@@ -28,8 +28,6 @@ class AmbiguousPart : public InvalidInput {
 /// which a picture that numbers the discs is written beside the result `beside`, OUT/x.discs.png for
 /// OUT/x.csv, or none.
 Recording tracked(Recording recording, const std::optional<std::filesystem::path>& beside);
-/// The same for frames in memory.
-Recording tracked(Recording recording, std::shared_ptr<vision::FrameSource> source);
 
 /// What stands beside T.csv.
 MetaFile meta_of(const Recording& recording);

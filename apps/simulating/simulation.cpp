@@ -38,15 +38,17 @@ std::string meaning_of(const std::string& name) {
 
 ScenarioFile base_of(const GivenScenario& given) {
   std::map<std::string, std::string> names;  // by what they mean
-  for (const auto& [name, value] : given.values)
+  for (const auto& [name, value] : given.values) {
+    if (!value) continue;
     if (const auto [other, is_new] = names.emplace(meaning_of(name), name); !is_new)
       throw UsageError(
           fmt::format("{} and {} mean the same; give one of them", flag_of(other->second), flag_of(name)));
+  }
   ScenarioFile file = given.file.empty() ? ScenarioFile{} : read_scenario_file(given.file);
   // amplitude_mm sets both axes, amplitude_y_mm the second: in this order, whatever the order they came in.
   for (const bool of_y : {false, true})
     for (const auto& [name, value] : given.values)
-      if ((name == "amplitude_y_mm") == of_y) set_scenario_parameter(file, name, value);
+      if (value && (name == "amplitude_y_mm") == of_y) set_scenario_parameter(file, name, *value);
   if (!given.start.empty()) file.scenario.start = parse_start(given.start);
   if (given.samples_per_cycle) {
     if (!(*given.samples_per_cycle >= 1 && *given.samples_per_cycle <= 1e6))
@@ -186,11 +188,13 @@ double SweepAxis::value(std::size_t k) const {
   return from_ + (to_ - from_) * static_cast<double>(k) / static_cast<double>(count_ - 1);
 }
 
-void require_sweepable(const std::vector<SweepAxis>& axes) {
+std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts) {
+  std::vector<SweepAxis> axes;
+  for (const auto& text : texts) axes.emplace_back(text);
   if (axes.empty() || axes.size() > 2)
     throw UsageError(
         "sweep needs one or two --over NAME=FROM:TO:COUNT (or `over` in [sweep] of the scenario)");
-  if (axes.size() == 1) return;
+  if (axes.size() == 1) return axes;
   if (axes[0].name() == axes[1].name())
     throw UsageError(
         fmt::format("--over names {} twice; give another parameter for the second axis", axes[0].name()));
@@ -202,12 +206,6 @@ void require_sweepable(const std::vector<SweepAxis>& axes) {
     throw UsageError(fmt::format(
         "--over {} --over {}: {:.0f} scenarios, at most {:.0f} are solved at once; lower the counts",
         axes[0].text(), axes[1].text(), total, kMostScenarios));
-}
-
-std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts) {
-  std::vector<SweepAxis> axes;
-  for (const auto& text : texts) axes.emplace_back(text);
-  require_sweepable(axes);
   return axes;
 }
 
@@ -259,13 +257,12 @@ void put(const std::vector<Solution>& solutions, std::vector<double>& alpha, std
 
 SweptModel solve(const Sweep& sweep, const Context& context) {
   require_valid(sweep);
-  Progress progress("sweep", context.quiet);
+  Progress progress("sweep", context);
   model::BatchOptions options;
   options.steady = true;
   options.threads = threads_to_use(context);
   options.progress = [&](std::size_t done, std::size_t total) {
     progress.update(static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
-    context.tell("sweep", static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
   };
   const model::BatchOutcome outcome = model::solve_batch(
       sweep.count(), [&sweep](std::size_t index) { return sweep.scenario(index); }, options);

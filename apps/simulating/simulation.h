@@ -2,10 +2,10 @@
 #pragma once
 
 #include <functional>
+#include <list>
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "apps/files/scenario_file.h"
 #include "apps/text/json.h"
@@ -14,9 +14,10 @@
 namespace tribotrack::apps {
 
 struct GivenScenario {
-  std::string file;                                    ///< empty: the paper's conditions
-  std::vector<std::pair<std::string, double>> values;  ///< as set_scenario_parameter() takes them
-  std::string start;                                   ///< "rest", "circling" or "steady"; empty: the file's
+  std::string file;  ///< empty: the paper's conditions
+  /// As set_scenario_parameter() takes them; in a list, since the command line keeps references.
+  std::list<std::pair<std::string, std::optional<double>>> values = {};
+  std::string start;  ///< "rest", "circling" or "steady"; empty: the file's
   std::optional<double> samples_per_cycle;
 };
 

@@ -38,8 +38,6 @@ class SweepAxis {
 /// One or two axes. Throws UsageError for any other number, for two that mean the same, and for more than
 /// kMostScenarios.
 std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts);
-/// The same checks of axes that are there.
-void require_sweepable(const std::vector<SweepAxis>& axes);
 
 /// A scenario and its axes as a row of scenarios, the last axis running fastest.
 class Sweep {

@@ -315,7 +315,7 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
     looks[k].path = recordings[k];
     if (!options.listed.empty()) looks[k].listed = options.listed[k];
   }
-  Progress progress("looking into recordings", context.quiet);
+  Progress progress("looking into recordings", context);
   std::atomic<std::int64_t> done = 0;
   parallel_for(looks.size(), threads_to_use(context), [&](std::size_t k) {
     look_at(looks[k], options.fps);

@@ -8,6 +8,7 @@
 #include <regex>
 #include <set>
 
+#include "apps/files/run_folder.h"
 #include "apps/page/assets/embedded_assets.h"
 #include "apps/page/page.h"
 #include "apps/page/text.h"
@@ -189,16 +190,15 @@ std::string camera_section(const vision::Survey& seen, const vision::SourceInfo&
 }
 
 Json json_of(const vision::Survey& seen) {
-  const auto circle = [](const vision::Circle& c) { return Json::array({c.x, c.y, c.radius}); };
   Json discs = Json::array(), lamps = Json::array();
   for (const vision::SurveyedDisc& disc : seen.discs)
-    discs.push_back({{"circle_px", circle(disc.circle)},
+    discs.push_back({{"circle_px", circle_json(disc.circle)},
                      {"role", name_of(disc.role).word},
                      {"moved_px", disc.moved_px},
                      {"coverage", disc.coverage},
                      {"seen_in_frames", disc.seen_in}});
   for (const vision::SurveyedLamp& lamp : seen.lamps)
-    lamps.push_back({{"circle_px", circle(lamp.circle)},
+    lamps.push_back({{"circle_px", circle_json(lamp.circle)},
                      {"dark_level", lamp.dark},
                      {"lit_level", lamp.lit},
                      {"lit_share", lamp.lit_share}});
@@ -211,22 +211,18 @@ namespace {
 constexpr int kFrames = 40;
 constexpr int kLargestSide = 1280;
 
-Json numbers(const vision::Circle& c) {
-  return Json::array({c.x, c.y, c.radius});
-}
-
 Json targets(const vision::Survey& seen) {
   const auto target = [](const char* key, const char* name, const char* colour, Json values) {
     return Json{
         {"key", key}, {"name", name}, {"colour", colour}, {"values", std::move(values)}, {"shape", "circle"}};
   };
   Json list = Json::array();
-  list.push_back(
-      target("disc_px", "The part, a disc", "#50ff50", seen.part() ? numbers(seen.part()->circle) : Json()));
+  list.push_back(target("disc_px", "The part, a disc", "#50ff50",
+                        seen.part() ? circle_json(seen.part()->circle) : Json()));
   list.push_back(target("marker_px", "A mark on the platform", "#33bbff",
-                        seen.mark() ? numbers(seen.mark()->circle) : Json()));
+                        seen.mark() ? circle_json(seen.mark()->circle) : Json()));
   list.push_back(target("gate_px", "The gate LED", "#ff6060",
-                        seen.lamps.empty() ? Json() : numbers(seen.lamps.front().circle)));
+                        seen.lamps.empty() ? Json() : circle_json(seen.lamps.front().circle)));
   Json rectangle = target("template_px", "A part that is no disc", "#ffd040", Json());
   rectangle["shape"] = "rectangle";
   list.push_back(rectangle);

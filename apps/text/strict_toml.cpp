@@ -327,21 +327,16 @@ bool StrictTable::has(std::string_view key) const {
   return node_->table->contains(key);
 }
 
-namespace {
-
-/// The byte at a place, which counts lines and characters from 1.
-std::size_t offset_of(std::string_view text, const toml::source_position& at) {
+std::size_t offset_of(std::string_view text, std::size_t line, std::size_t column) {
   std::size_t offset = 0;
-  for (toml::source_index line = 1; line < at.line; ++line) offset = text.find('\n', offset) + 1;
+  for (; line > 1; --line) offset = text.find('\n', offset) + 1;
   const auto continues = [&] {  // a character of UTF-8
     return offset < text.size() && (static_cast<unsigned char>(text[offset]) & 0xC0) == 0x80;
   };
-  for (toml::source_index column = 1; column < at.column; ++column)
+  for (; column > 1; --column)
     for (++offset; continues();) ++offset;
   return offset;
 }
-
-}  // namespace
 
 std::string StrictTable::written(std::string_view key) const {
   const toml::node* node = node_->table->get(key);
@@ -350,9 +345,9 @@ std::string StrictTable::written(std::string_view key) const {
   if (node->is_integer()) return fmt::format("{}", node->ref<std::int64_t>());
   if (!node->is_floating_point()) return {};
   if (!node_->parsed) return fmt::format("{}", node->ref<double>());
-  const toml::source_region& where = node->source();
-  const std::size_t first = offset_of(*node_->content, where.begin);
-  return node_->content->substr(first, offset_of(*node_->content, where.end) - first);
+  const auto& [begin, end, path] = node->source();
+  const std::size_t first = offset_of(*node_->content, begin.line, begin.column);
+  return node_->content->substr(first, offset_of(*node_->content, end.line, end.column) - first);
 }
 
 bool StrictTable::is_table(std::string_view key) const {

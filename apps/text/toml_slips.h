@@ -16,6 +16,9 @@ std::string encoding_slip(std::string_view text);
 std::string toml_slip(std::string_view text, std::size_t line, std::size_t column,
                       std::string_view description);
 
+/// The byte at a place, which counts lines and characters from 1.
+std::size_t offset_of(std::string_view text, std::size_t line, std::size_t column);
+
 // Keys of TOML that nest too deeply.
 
 /// Each dot in a key such as `fit.prior.mu1` is a table in a table, and the library follows and frees these

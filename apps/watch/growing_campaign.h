@@ -26,9 +26,9 @@ void require_fitted(const std::vector<fit::Goal>& goals, const std::vector<fit::
 
 class GrowingCampaign {
  public:
-  /// FOLDER/campaign.toml; where there is none, one is made as `init` does, for which the scale must be
+  /// draft.folder/campaign.toml; where there is none, one is made as `init` does, for which the scale must be
   /// given. Throws InvalidInput.
-  GrowingCampaign(const std::filesystem::path& folder, const DraftOptions& draft);
+  explicit GrowingCampaign(const DraftOptions& draft);
 
   const std::filesystem::path& file() const { return file_; }
 

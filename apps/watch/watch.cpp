@@ -176,16 +176,15 @@ void leave_to_camera(const fs::path& file, DraftTable& run) {
 
 }  // namespace
 
-GrowingCampaign::GrowingCampaign(const fs::path& folder, const DraftOptions& draft)
-    : folder_(folder), file_(folder / "campaign.toml"), draft_(draft) {
-  draft_.folder = folder;
+GrowingCampaign::GrowingCampaign(const DraftOptions& draft)
+    : folder_(draft.folder), file_(folder_ / "campaign.toml"), draft_(draft) {
   draft_.marks_with_runs = true;
   if (fs::exists(file_)) return;
   if (!draft.diameter_mm)
     throw InvalidInput(
         fmt::format("{}: there is no campaign yet, and its scale is not known: give --disc-diameter-mm, or "
                     "write one with `tribotrack init {}`",
-                    file_.string(), folder.string()));
+                    file_.string(), folder_.string()));
   CampaignDraft first;
   take_given(draft, first);
   write_campaign(file_, toml_of(first));

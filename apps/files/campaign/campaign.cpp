@@ -251,14 +251,14 @@ Campaign campaign_of(const Json& object, const std::string& name) {
   return campaign_in(StrictTable::of(object, name), name, hashed_input(name, object.dump()), Runs::required);
 }
 
-std::vector<fs::path> Campaign::input_files() const {
+std::vector<fs::path> Campaign::input_files(const std::vector<CampaignRun>& of) const {
   std::vector<fs::path> files = {file};
   const auto add = [&](const std::optional<fs::path>& path) {
     if (!path) return;
     for (const fs::path& one : files_of_input(*path)) files.push_back(one);
   };
   add(camera.calibration);
-  for (const CampaignRun& run : runs) {
+  for (const CampaignRun& run : of) {
     add(run.video);
     add(run.scope);
     add(run.second_scope);

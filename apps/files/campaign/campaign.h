@@ -104,7 +104,9 @@ struct Campaign {
   /// For meta files: what holds, defaults filled in.
   Json effective_configuration() const;
   /// Every file a command on this campaign may read, none of which it may write.
-  std::vector<std::filesystem::path> input_files() const;
+  std::vector<std::filesystem::path> input_files() const { return input_files(runs); }
+  /// Of these runs alone.
+  std::vector<std::filesystem::path> input_files(const std::vector<CampaignRun>& of) const;
 };
 
 /// The file that was meant by what was given: itself, or the campaign.toml of a folder. Throws InvalidInput

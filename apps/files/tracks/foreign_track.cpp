@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,8 +12,8 @@
 #include "apps/files/tracks/point_samples.h"
 #include "apps/program/errors.h"
 #include "apps/text/csv_table.h"
-#include "apps/text/number_text.h"
 #include "fit/measurement.h"
+#include "fit/tools/statistics.h"
 
 namespace tribotrack::apps {
 
@@ -29,12 +29,6 @@ struct Clock {
   std::string from, warning;
 };
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Frame numbers as the times count them, from 0.
 std::vector<std::int64_t> numbered_by(const std::vector<double>& time, double step) {
   std::vector<std::int64_t> numbers;
@@ -47,7 +41,7 @@ double interval_of(const std::filesystem::path& path, const std::vector<double>&
   constexpr double kMostFrames = 1e9;
   std::vector<double> steps;
   for (std::size_t k = 1; k < time.size(); ++k) steps.push_back(time[k] - time[k - 1]);
-  double step = median(steps);
+  double step = fit::internal::upper_median(steps);
   if (!(time.back() - time.front() < kMostFrames * step))
     throw InvalidInput(
         fmt::format("{}: its times are no times of frames: most are {:.3g} s apart, all of them {:.3g} s",
@@ -201,86 +195,34 @@ Noise noise_of(const CsvTable& table, const PointSamples& samples, const std::ve
   return noise;
 }
 
-/// The rows of a track in pixels, with a scale, as `track` writes them without parallax.
-class Rows {
- public:
-  Rows(const PartAndMark& points, const Scale& scale, bool up, double xi_axis, const Noise& part,
-       const std::optional<Noise>& mark)
-      : points_(points), scale_(scale), up_(up), part_(part), mark_(mark) {
-    const Eigen::Matrix2d axes = Eigen::Vector2d(1, up ? 1 : -1).asDiagonal();
-    to_mm_ = scale.mm * Eigen::Rotation2Dd(-xi_axis).toRotationMatrix() * axes;
-    rows_.has_marker = mark.has_value();
-    rows_.has_planes = !scale.pixels;
-  }
-
-  TrackRows make(const Clock& clock, const TrackReading& reading) {
-    for (std::size_t k = 0; k < clock.frame.size(); ++k) {
-      if (reading.first_frame && clock.frame[k] < *reading.first_frame) continue;
-      if (reading.last_frame && clock.frame[k] > *reading.last_frame) continue;
-      TrackRow row;
-      row.frame = clock.frame[k];
-      row.time_s = clock.time[k];
-      put(k, row);
-      rows_.rows.push_back(row);
+/// As `track` follows a part, y down, in the file's own unit: one pixel is one of it.
+vision::Track followed(const PartAndMark& points, bool up, const Clock& clock, const Noise& part,
+                       const std::optional<Noise>& mark, const TrackReading& reading) {
+  vision::Track track;
+  track.has_marker = mark.has_value();
+  const double down = up ? -1 : 1;
+  for (std::size_t k = 0; k < clock.frame.size(); ++k) {
+    if (reading.first_frame && clock.frame[k] < *reading.first_frame) continue;
+    if (reading.last_frame && clock.frame[k] > *reading.last_frame) continue;
+    vision::TrackPoint& point = track.points.emplace_back();
+    point.frame = clock.frame[k];
+    point.time_s = clock.time[k];
+    point.ncc = TrackRow::kNone;
+    if (const PointSample& at = points.part.at[k]; at.seen()) {
+      point.status = vision::TrackStatus::ok;
+      point.x = at.x;
+      point.y = down * at.y;
+      point.sigma_x = part.sd[k].x();
+      point.sigma_y = part.sd[k].y();
     }
-    return std::move(rows_);
-  }
-
- private:
-  void put(std::size_t k, TrackRow& row) {
-    const bool marked = points_.mark && points_.mark->at[k].seen();
-    if (marked) put_mark(k, row);
-    const PointSample& part = points_.part.at[k];
-    if (!part.seen()) return;
-    row.status = vision::TrackStatus::ok;
-    const Eigen::Vector2d sd = part_.sd[k];
-    if (scale_.pixels) {
-      row.x_px = as_written(part.x);
-      row.y_px = as_written(up_ ? -part.y : part.y);
-      row.sigma_x_px = as_written(sd.x());
-      row.sigma_y_px = as_written(sd.y());
-      row.rho_xy = 0;
+    if (mark && points.mark->at[k].seen()) {
+      const PointSample& at = points.mark->at[k];
+      const double sd = mark->sd[k].norm() / std::sqrt(2.0);  // one for both axes
+      point.marker = vision::MarkerPoint{at.x, down * at.y, sd, TrackRow::kNone};
     }
-    if (points_.mark && !marked) return;
-    Eigen::Vector2d place = part.place();
-    if (marked) place -= points_.mark->at[k].place();
-    if (!origin_) origin_ = place;
-    const Eigen::Vector2d mm = to_mm_ * (place - *origin_);
-    Eigen::Matrix2d covariance = to_mm_ * sd.cwiseAbs2().asDiagonal() * to_mm_.transpose();
-    if (marked) covariance += std::pow(scale_.mm * mark_sd(k), 2) * Eigen::Matrix2d::Identity();
-    row.x_mm = as_written(mm.x());
-    row.y_mm = as_written(mm.y());
-    row.sigma_x_mm = as_written(std::sqrt(covariance(0, 0)));
-    row.sigma_y_mm = as_written(std::sqrt(covariance(1, 1)));
-    row.rho_xy_mm = as_written(covariance(0, 1) / std::sqrt(covariance(0, 0) * covariance(1, 1)));
   }
-
-  /// One sd for both axes.
-  double mark_sd(std::size_t k) const { return mark_->sd[k].norm() / std::sqrt(2.0); }
-
-  void put_mark(std::size_t k, TrackRow& row) const {
-    const PointSample& mark = points_.mark->at[k];
-    if (scale_.pixels) {
-      row.marker_x_px = as_written(mark.x);
-      row.marker_y_px = as_written(up_ ? -mark.y : mark.y);
-      row.marker_sigma_px = as_written(mark_sd(k));
-      return;
-    }
-    const Eigen::Vector2d mm = to_mm_ * mark.place();
-    row.marker_x_mm = as_written(mm.x());
-    row.marker_y_mm = as_written(mm.y());
-    row.marker_sigma_mm = as_written(scale_.mm * mark_sd(k));
-  }
-
-  const PartAndMark& points_;
-  const Scale& scale_;
-  bool up_;
-  const Noise& part_;
-  const std::optional<Noise>& mark_;
-  Eigen::Matrix2d to_mm_;
-  std::optional<Eigen::Vector2d> origin_;
-  TrackRows rows_;
-};
+  return track;
+}
 
 std::string sd_text(const Noise& noise, const std::string& unit) {
   if (!noise.estimated) return "sds as the file has them";
@@ -322,7 +264,9 @@ ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string t
   if (points.mark) mark = noise_of(table, *points.mark, clock.frame);
 
   ForeignTrack track;
-  track.rows = Rows(points, scale, up, reading.xi_axis_rad, part, mark).make(clock, reading);
+  const vision::PlaneGeometry geometry(vision::given_scale(scale.mm), vision::ScalePlane::platform, {});
+  track.rows = track_rows(followed(points, up, clock, part, mark, reading), geometry, reading.xi_axis_rad,
+                          scale.pixels);
   if (track.rows.rows.empty())
     throw InvalidInput(fmt::format("{}: no row lies within `frames`", path.string()));
   const bool of_platform = points.mark || reading.frame == "platform";

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tribotrack import _calling, _core
+from tribotrack import _calling
 from tribotrack._core import __version__
 from tribotrack._errors import AmbiguousPartError, InputError, MissingFileError, QualityWarning
 from tribotrack._results import Fit, Measurement, Simulation, Sweep, Track, wrapped
@@ -105,7 +105,7 @@ def simulate(
         InputError: a value out of its range; MissingFileError: no such scenario.
     """
     values = {name: value for name, value in locals().items() if name != "scenario"}
-    return Simulation(_calling.call(_core.simulate, scenario, values))
+    return Simulation(_calling.call("simulate", scenario, values))
 
 
 def sweep(
@@ -131,12 +131,13 @@ def sweep(
         The swept names with their values, and alpha_rad, v_mm_s, steady_alpha_rad, steady_v_mm_s, arrays of the
         grid's shape; NaN where there is none.
     """
-    if over is not None:
-        if not isinstance(over, dict):
-            raise InputError("over must be a dict of one or two names with their values")
-        over = {name: values if hasattr(values, "tolist") else list(values) for name, values in over.items()}
+    if over is not None and not isinstance(over, dict):
+        raise InputError("over must be a dict of one or two names with their values")
     options = {**conditions, "start": start, "over": over, "threads": threads}
-    return Sweep(_calling.call(_core.sweep, scenario, options, progress))
+    result = _calling.call("sweep", scenario, options, progress)
+    axes = list(result)[:-4]
+    shape = [len(result[name]) for name in axes]
+    return Sweep({name: values if name in axes else values.reshape(shape) for name, values in result.items()})
 
 
 def track(
@@ -200,10 +201,10 @@ def track(
     Warns:
         QualityWarning: the part was lost too often, or is no moving part.
     """
-    options = {name: value for name, value in locals().items() if name not in ("source", "progress")}
+    options = {name: value for name, value in locals().items() if name not in ("source", "bits", "progress")}
     if _calling.is_path(source):
-        return Track(_calling.call(_core.track, source, options, progress, None))
-    return Track(_calling.call(_core.track, None, options, progress, source))
+        return Track(_calling.call("track", source, options, progress, bits=bits))
+    return Track(_calling.call("track", "frames in memory", options, progress, source, bits))
 
 
 def measure(
@@ -239,11 +240,11 @@ def measure(
     """
     options = {name: value for name, value in locals().items() if name != "track"}
     if _calling.is_path(track):
-        return Measurement(wrapped(_calling.call(_core.measure, track, options)))
+        return Measurement(wrapped(_calling.call("measure", track, options)))
     if not hasattr(track, "keys"):
         raise InputError(f"the track must be a path or a dict of columns, not {type(track).__name__}")
-    options.update(csv=_calling.csv_of(track), meta=track["meta"] if "meta" in track else None)
-    return Measurement(wrapped(_calling.call(_core.measure, None, options)))
+    given = {"csv": _calling.csv_of(track), "meta": track["meta"] if "meta" in track else None}
+    return Measurement(wrapped(_calling.call("measure", "track", options, given=given)))
 
 
 def fit(
@@ -293,18 +294,18 @@ def fit(
         "tracks": tracks,
         "allow_missing": allow_missing,
         "loss": loss,
-        "bootstrap": bootstrap,
+        "bootstrap": bootstrap or None,
         "seed": seed,
         "compare_models": compare_models,
         "threads": threads,
     }
     if _tables.is_table(campaign):
         with _tables.campaign_of(campaign, conditions) as table:
-            return Fit(wrapped(_calling.call(_core.fit, None, {**options, "campaign": table}, progress)))
+            return Fit(wrapped(_calling.call("fit", "campaign", options, progress, given=table)))
     if conditions:
         raise InputError(f"{', '.join(conditions)}: conditions stand in the campaign, beside a table only")
     if _calling.is_path(campaign):
-        return Fit(wrapped(_calling.call(_core.fit, campaign, options, progress)))
+        return Fit(wrapped(_calling.call("fit", campaign, options, progress)))
     if not isinstance(campaign, dict):
         raise InputError(f"the campaign must be a path, a dict or a table, not {type(campaign).__name__}")
-    return Fit(wrapped(_calling.call(_core.fit, None, {**options, "campaign": campaign}, progress)))
+    return Fit(wrapped(_calling.call("fit", "campaign", options, progress, given=campaign)))

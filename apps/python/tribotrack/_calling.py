@@ -1,4 +1,4 @@
-"""Calls of _core: keywords as JSON, the work in a thread of its own, what is refused as exceptions.
+"""Calls of _core: keywords as the flags of a command, the work in a thread of its own, what is refused as exceptions.
 
 While the work goes on without Python's lock, the calling thread waits, hears Ctrl-C and calls `progress`. Where either
 raises, the work ends when it next tells of its progress; until then Python itself waits for its thread before it ends.
@@ -11,27 +11,38 @@ import os
 import re
 import threading
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Optional
 
+from tribotrack import _core
 from tribotrack._errors import InputError, MissingFileError, QualityWarning
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
 
 def is_path(source: Any) -> bool:
     return isinstance(source, str) or hasattr(source, "__fspath__")
 
 
-def call(function: Callable[..., Any], source: Any, options: dict[str, Any], progress: Any = None, *more: Any) -> dict[str, Any]:
-    """`source`: a path, or None. The arrays and the object that the function returns, in one dict."""
-    path = "" if source is None else os.fsdecode(source)
-    text = _json(options)
+def call(
+    command: str,
+    source: Any,
+    options: dict[str, Any],
+    progress: Any = None,
+    frames: Any = None,
+    bits: Optional[int] = None,
+    given: Any = None,
+) -> dict[str, Any]:
+    """The command with these options as its flags. `source`: a path or a name, or None. The arrays and the object that the
+    command hands over, in one dict."""
+    path = [] if source is None else [os.fsdecode(source)]
+    words = [command, *path, *_flags(options)]
+    text = _json(given)
     try:
-        columns, said, doubts = _released(lambda tell: function(path, text, tell, *more), progress)
+        columns, said, doubts = _released(lambda tell: _core.run(words, tell, frames, bits, text), progress)
     except InputError as error:
         error.args = (in_keywords(str(error)),)
-        if path and "%" not in path and not os.path.exists(path):
+        if path and frames is None and given is None and "%" not in path[0] and not os.path.exists(path[0]):
             raise MissingFileError(*error.args) from None
         raise
     for doubt in doubts:
@@ -44,8 +55,31 @@ def call(function: Callable[..., Any], source: Any, options: dict[str, Any], pro
     return {**columns, **json.loads(said)}
 
 
+def _flags(options: dict[str, Any]) -> Iterator[str]:
+    """What is None or False is not given."""
+    for name, value in options.items():
+        flag = "--" + name.replace("_", "-")
+        if isinstance(value, dict):  # of axes
+            for axis, values in value.items():
+                listed = [_text(one) for one in values]
+                yield f"{flag}={axis}={','.join(listed)}" if len(listed) != 1 else f"{flag}={axis}={listed[0]}:{listed[0]}:1"
+        elif name == "frames" and isinstance(value, (tuple, list)):
+            yield f"{flag}={':'.join('' if one is None else _text(one) for one in value)}"
+        elif value is not None and value is not False:
+            yield flag if value is True else f"{flag}={_text(value)}"
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, (str, int, float, list, tuple)):
+        value = _plain(value)
+    if isinstance(value, (list, tuple)):
+        return ",".join(_text(one) for one in value)
+    return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
+
+
 def in_keywords(sentence: str) -> str:
     """The program names flags, "--disc-diameter-mm 6"; here they are keywords: "disc_diameter_mm=6"."""
+    sentence = sentence.removesuffix(" (see --help)")
     return re.sub(
         r"(?:^|(?<=[ (`]))--([a-z][a-z0-9-]*)( (?=[0-9]))?",
         lambda flag: flag[1].replace("-", "_") + ("=" if flag[2] else ""),
@@ -68,15 +102,17 @@ def csv_of(table: Any) -> str:
     return "\n".join(",".join(map(str, row)) for row in [columns, *zip(*columns.values())]) + "\n"
 
 
-def _json(options: dict[str, Any]) -> str:
-    for name, value in options.items():
-        try:
-            json.dumps(value, default=_plain, allow_nan=False)
-        except ValueError as error:
-            if isinstance(error, InputError):
-                raise
-            raise InputError(f"{name} must be a finite number, not {value!r}" if isinstance(value, float) else f"{name}: {error}") from None
-    return json.dumps(options, default=_plain)
+def _json(given: Any) -> str:
+    try:
+        return json.dumps(_without_none(given), default=_plain, allow_nan=False)
+    except ValueError as error:
+        raise error if isinstance(error, InputError) else InputError(f"campaign: {error}") from None
+
+
+def _without_none(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _without_none(entry) for name, entry in value.items() if entry is not None}
+    return [_without_none(entry) for entry in value] if isinstance(value, (list, tuple)) else value
 
 
 def _plain(value: Any) -> Any:

@@ -151,7 +151,7 @@ TEST(PaperClaims, EachHasItsVerdictAndNumber) {
     const Claim& c = paper().claims[k];
     EXPECT_STREQ(c.name, verdicts[k].first);
     EXPECT_EQ(c.verdict, verdicts[k].second) << c.name << ": " << c.finding;
-    EXPECT_TRUE(std::isfinite(c.value) && !c.quantity.empty() && !c.finding.empty()) << c.name;
+    EXPECT_TRUE(std::isfinite(c.value) && *c.quantity && !c.finding.empty()) << c.name;
   }
 }
 

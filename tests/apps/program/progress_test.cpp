@@ -28,5 +28,11 @@ TEST_F(Streams, WhatAFileHoldsDoesNotControlTheTerminal) {
   EXPECT_NE(run("fit c.toml -o f.json").err.find("?[2J"), std::string::npos);
 }
 
+TEST_F(Streams, ProgressForAProgramIsALineOfJson) {
+  const Outcome outcome = run("sweep --over phi_rad=0:6:4 -o s.csv", "TRIBOTRACK_PROGRESS=json ");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.err.find("{\"progress\":\"sweep: "), std::string::npos) << outcome.err;
+}
+
 }  // namespace
 }  // namespace tribotrack::apps

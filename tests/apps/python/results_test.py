@@ -134,8 +134,8 @@ class Fit(ProgramTest):
             (self.table, {"amplitude": 3}, "`amplitude` is not a condition of a table's runs; known: amplitude_mm"),
             (self.table, {}, "amplitude_mm is neither given nor seen"),
             (runs, {"amplitude_mm": 1}, "amplitude_mm: conditions stand in the campaign"),
-            (runs, {"loss": "cubes"}, 'loss must be squares or huber, not "cubes"'),
-            (runs, {"bootstrap": 5}, "bootstrap must be 0 or at least 20"),
+            (runs, {"loss": "cubes"}, 'loss: must be one of squares, huber, not "cubes"'),
+            (runs, {"bootstrap": 5}, "bootstrap: must be a whole number, 20 to 1000000"),
             (3, {}, "a path, a dict or a table, not int"),
         ]:
             with self.subTest(said), self.assertRaises(tribotrack.InputError) as refused:

@@ -1,0 +1,31 @@
+// A command called as a function (Context::called): what lies in memory in place of its files, and its
+// results, which then go neither to standard output nor, unless asked for, into files.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "fit/json.h"
+#include "vision/frame_source.h"
+
+namespace tribotrack::apps {
+
+struct Called {
+  // Given.
+  std::function<std::shared_ptr<vision::FrameSource>(double frame_rate_hz)> frames;  ///< of `track`
+  /// A campaign's structure, or {"csv", "meta"}: the text of a track and the object of its meta file.
+  fit::Json input;
+
+  // Results.
+  using Column = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<const char*>>;
+  std::vector<std::pair<std::string, Column>> columns;  ///< NaN: no value
+  fit::Json object = fit::Json::object();
+  std::vector<std::string> doubts;  ///< why the results should not be used as they are
+};
+
+}  // namespace tribotrack::apps
