@@ -369,8 +369,7 @@ void Estimation::look_ahead(FitResult& result) const {
   result.next_experiment = std::move(next.best);
   result.other_next_experiments = std::move(next.others);
   if (next.given_up)
-    result.left_out.push_back(
-        "The search for the run to film next took more than a second and was given up.");
+    result.left_out.push_back("The search for the run to film next takes too long and was given up.");
 }
 
 /// A slide by itself, without the checks and profiles of a whole campaign.

@@ -90,23 +90,25 @@ model::Scenario Forecaster::scenario(const Candidate& candidate) const {
   return scenario;
 }
 
-Eigen::MatrixXd Forecaster::of_displacement(const model::Scenario& scenario, double tolerance) const {
+void Forecaster::of_displacement(const model::Scenario& scenario, double tolerance,
+                                 Forecast& forecast) const {
   const Unknowns& unknowns = residuals_.unknowns();
   const auto applied = unknowns.apply(values_, scenario, amplitude_from_track_, true);
-  if (applied.wanted.empty()) return {};
+  if (applied.wanted.empty()) return;
   const EndPoint end = end_point(applied.scenario, applied.wanted, tolerance, most_steps_);
+  forecast.steps = end.steps;
   const Eigen::Vector2d displacement = end.position / applied.scale;
   Eigen::MatrixXd rows = end.jacobian * applied.chain / applied.scale;
   if (const auto scale = unknowns.find(FitParameter::scale)) rows.col(*scale) -= displacement / applied.scale;
   rows = (rows * units_.asDiagonal()).eval() / std::sqrt(variance(displacement));
-  return rows.transpose() * rows;
+  forecast.information = rows.transpose() * rows;
 }
 
-Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tolerance) const {
+void Forecaster::of_track(const model::Scenario& scenario, double tolerance, Forecast& forecast) const {
   const Unknowns& unknowns = residuals_.unknowns();
   const TrajectoryRun& like = unknowns.problem().trajectory_runs[*track_];
   auto applied = unknowns.apply(values_, scenario, amplitude_from_track_, true);
-  if (applied.wanted.empty()) return {};
+  if (applied.wanted.empty()) return;
   // Its own phase is one more unknown, the last.
   const Eigen::Index wanted = applied.chain.rows(), known = applied.chain.cols();
   applied.wanted.push_back(model::Parameter::start_phase);
@@ -131,6 +133,7 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
   const PointModel points =
       model_points(unknowns, applied, run.track.time, {!like.track.platform_frame, like.track.exposure},
                    tolerance, true, most_steps_);
+  forecast.steps = points.steps;
   const Eigen::MatrixXd rows =
       TrackWhitening(run, 0, {}, residuals_.excess_variance().correlated, residuals_.reference_time())
           .whitened(points.jacobian);
@@ -140,20 +143,21 @@ Eigen::MatrixXd Forecaster::of_track(const model::Scenario& scenario, double tol
     const double own = information(known, known) + 1 / (like.start_phase_sd * like.start_phase_sd);
     information.topLeftCorner(known, known) -= by_phase * by_phase.transpose() / own;
   }
-  return units_.asDiagonal() * information.topLeftCorner(known, known) * units_.asDiagonal();
+  forecast.information = units_.asDiagonal() * information.topLeftCorner(known, known) * units_.asDiagonal();
 }
 
-std::optional<Forecast> Forecaster::forecast(const Candidate& candidate, double tolerance) const {
+Forecast Forecaster::forecast(const Candidate& candidate, double tolerance) const {
   Forecast forecast{candidate, {}};
   try {
-    forecast.information =
-        track_ ? of_track(scenario(candidate), tolerance) : of_displacement(scenario(candidate), tolerance);
+    if (track_)
+      of_track(scenario(candidate), tolerance, forecast);
+    else
+      of_displacement(scenario(candidate), tolerance, forecast);
   } catch (const model::InvalidParameter&) {
-    return std::nullopt;
   } catch (const model::StepLimitExceeded&) {
-    return std::nullopt;
+    forecast.steps = most_steps_;
   }
-  if (forecast.information.size() == 0 || !forecast.information.allFinite()) return std::nullopt;
+  if (!forecast.information.allFinite()) forecast.information.resize(0, 0);
   return forecast;
 }
 

@@ -17,7 +17,9 @@ struct Candidate {
 /// sensitivity.
 struct Forecast {
   Candidate candidate;
-  Eigen::MatrixXd information;
+  Eigen::MatrixXd information;  ///< empty: none, or unknown
+  long steps = 0;               ///< of the integration
+  bool empty() const { return information.size() == 0; }
 };
 
 /// Forecasts with the start, length and kind of the runs so far (displacements or whole tracks, whichever are
@@ -30,15 +32,15 @@ class Forecaster {
   Forecaster(const Residuals& residuals, const Eigen::VectorXd& values);
   Forecaster(const Residuals&& residuals, const Eigen::VectorXd& values) = delete;
   Candidate drive_so_far() const;
-  /// nullopt where the model cannot be evaluated, takes more than 50 times the steps of the longest of the
+  /// Empty where the model cannot be evaluated, takes more than 50 times the steps of the longest of the
   /// runs so far, or where nothing fitted moves the run.
-  std::optional<Forecast> forecast(const Candidate& candidate, double tolerance) const;
+  Forecast forecast(const Candidate& candidate, double tolerance) const;
 
  private:
   double variance(const Eigen::Vector2d& displacement) const;
   model::Scenario scenario(const Candidate& candidate) const;
-  Eigen::MatrixXd of_displacement(const model::Scenario& scenario, double tolerance) const;
-  Eigen::MatrixXd of_track(const model::Scenario& scenario, double tolerance) const;
+  void of_displacement(const model::Scenario& scenario, double tolerance, Forecast& forecast) const;
+  void of_track(const model::Scenario& scenario, double tolerance, Forecast& forecast) const;
 
   const Residuals& residuals_;
   Eigen::VectorXd values_, units_;

@@ -26,7 +26,7 @@ constexpr std::pair<double, double> kDrives[] = {{1, 1}, {0.8, 1}, {1.25, 1}, {1
 constexpr std::size_t kForecastAgain = 3;    ///< best places of the grid, at every phi
 constexpr double kForecastTolerance = 1e-3;  ///< of the forecasts: derivatives to better than 1e-3
 
-constexpr Stage::Seconds kLongest(1);
+constexpr long kMostSteps = 500'000;  ///< of all integrations: about a second
 
 /// Covariance of the reported parameters from the information on all.
 Eigen::MatrixXd reported_covariance(const Eigen::MatrixXd& information, Eigen::Index reported) {
@@ -53,7 +53,7 @@ class Search {
         t_(t),
         forecaster_(residuals, values),
         threads_(options.threads),
-        stage_(options, "next experiment", 0, kLongest) {
+        stage_(options, "next experiment") {
     information_ = at.scaled(units_).eliminated().normal();
     for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {  // conditions have their priors
       const double widest = range(unknowns_, unknowns_.parameter(i), values) / units_(i);
@@ -70,29 +70,30 @@ class Search {
         places_.push_back(
             {{0, static_cast<double>(j) * kGridStep, a * own.amplitude, w * own.angular_frequency},
              a == 1 && w == 1});
-    for (std::size_t first = 0; first < places_.size() && !stage_.late(); first += kWidths) {
+    for (std::size_t first = 0; first < places_.size() && !late(); first += kWidths) {
       std::vector<Candidate> seeds;
       for (std::size_t k = first; k < first + kWidths; ++k) seeds.push_back(places_[k].seed);
       const auto forecasts = this->forecasts(seeds);
       for (std::size_t k = 0; k < kWidths; ++k) places_[first + k].at_zero = forecasts[k];
     }
   }
-  bool late() const { return stage_.late(); }
+  /// The integrations so far took too many steps: counted, since by a clock no two results would be alike.
+  bool late() const { return steps_ > kMostSteps; }
 
   std::optional<NextExperiment> best(std::optional<Eigen::Index> aim, bool own_drive) {
     std::vector<std::pair<double, Place*>> order;
     for (Place& place : places_)
-      if (place.at_zero && place.own_drive == own_drive)
-        order.emplace_back(size(after(*place.at_zero), aim), &place);
+      if (!place.at_zero.empty() && place.own_drive == own_drive)
+        order.emplace_back(size(after(place.at_zero), aim), &place);
     std::stable_sort(order.begin(), order.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     const Forecast* chosen = nullptr;
     double smallest = size(now_, aim);
     for (std::size_t k = 0; k < std::min(order.size(), kForecastAgain); ++k)
-      for (const auto& forecast : at_every_phase(*order[k].second)) {
-        if (!forecast || !(size(after(*forecast), aim) < smallest)) continue;
-        smallest = size(after(*forecast), aim);
-        chosen = &*forecast;
+      for (const Forecast& forecast : at_every_phase(*order[k].second)) {
+        if (forecast.empty() || !(size(after(forecast), aim) < smallest)) continue;
+        smallest = size(after(forecast), aim);
+        chosen = &forecast;
       }
     if (!chosen) return std::nullopt;
     return describe(*chosen, aim, own_drive);
@@ -113,24 +114,23 @@ class Search {
   struct Place {
     Candidate seed;
     bool own_drive = false;
-    std::optional<Forecast> at_zero = {};            ///< phi = 0
-    std::vector<std::optional<Forecast>> good = {};  ///< at every phi, once needed
+    Forecast at_zero = {};            ///< phi = 0
+    std::vector<Forecast> good = {};  ///< at every phi, once needed
   };
 
-  /// None of those that the stage is late for.
-  std::vector<std::optional<Forecast>> forecasts(const std::vector<Candidate>& candidates) {
-    std::vector<std::optional<Forecast>> all(candidates.size());
+  std::vector<Forecast> forecasts(const std::vector<Candidate>& candidates) {
+    std::vector<Forecast> all(candidates.size());
     stage_.expect(all.size());
     parallel_for(all.size(), threads_, [&](std::size_t k) {
-      if (stage_.late()) return;
       all[k] = forecaster_.forecast(candidates[k], kForecastTolerance);
       stage_.done();
     });
+    for (const Forecast& one : all) steps_ += one.steps;
     return all;
   }
 
-  const std::vector<std::optional<Forecast>>& at_every_phase(Place& place) {
-    if (!place.good.empty() || stage_.late()) return place.good;
+  const std::vector<Forecast>& at_every_phase(Place& place) {
+    if (!place.good.empty() || late()) return place.good;
     std::vector<Candidate> turned(kPhases - 1, place.seed);
     for (int i = 1; i < kPhases; ++i) turned[static_cast<std::size_t>(i - 1)].phi = i * kGridStep;
     place.good = forecasts(turned);
@@ -178,6 +178,7 @@ class Search {
   Forecaster forecaster_;
   int threads_;
   Stage stage_;
+  long steps_ = 0;
   Eigen::MatrixXd information_, now_;
   std::vector<Place> places_;
 };
@@ -209,7 +210,6 @@ NextExperiments next_experiments(const Residuals& residuals, const Eigen::Vector
     if (aimed && !same(*aimed, driven) && search.gain(aimed, i) > search.gain(own, i) + kWorthAnotherDrive)
       result.others.push_back(*aimed);
   }
-  // By how much of it a machine has done meanwhile no result may differ.
   if (search.late()) return {.best = {}, .others = {}, .given_up = true};
   return result;
 }

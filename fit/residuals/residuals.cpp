@@ -65,8 +65,9 @@ PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied
   const bool sensitive = !options.derivatives.empty();
   PointModel points;
   Eigen::MatrixXd by_wanted;
-  model::integrate(scenario, options)
-      .positions_at(times, seen.exposure, points.positions, sensitive ? &by_wanted : nullptr);
+  const model::Trajectory motion = model::integrate(scenario, options);
+  motion.positions_at(times, seen.exposure, points.positions, sensitive ? &by_wanted : nullptr);
+  points.steps = motion.summary().steps;
   if (seen.camera_frame) {
     const double half = 0.5 * scenario.drive.angular_frequency * seen.exposure;
     const double share = half > 0 ? std::sin(half) / half : 1;

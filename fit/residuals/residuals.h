@@ -25,6 +25,7 @@ namespace tribotrack::fit::internal {
 struct PointModel {
   Eigen::Matrix2Xd positions;  ///< m, in the picture (divided by the scale)
   Eigen::MatrixXd jacobian;    ///< 2n x columns of the chain, x and y of a point below each other
+  long steps = 0;              ///< of the integration
 };
 
 /// How the points were seen.

@@ -140,7 +140,6 @@ class Sources {
     rows.set_excess_variance(residuals_.excess_variance());
     rows.set_weights(residuals_.weights());
     rows.set_own_errors(values);
-    rows.linearise(values);
     return rows.at(values);
   }
 

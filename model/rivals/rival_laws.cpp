@@ -21,6 +21,11 @@ struct Deceleration {
   double value, by_speed, by_time;
 };
 
+/// The acceleration by the platform and its tilt, m/s^2, and its derivative by time.
+struct Pull {
+  Eigen::Vector2d value, by_time;
+};
+
 class Equation {
  public:
   Equation(const Scenario& scenario, const RivalLaw& law) : s_(scenario), law_(law) {
@@ -41,15 +46,10 @@ class Equation {
     first_edge_ = std::remainder(s_.friction.phase + s_.friction.lag, kTurn) - 0.5 * w * law.rise;
   }
 
-  /// Eq. (5)'s acceleration by the platform and its tilt, by one sine and cosine.
-  Eigen::Vector2d drive(double t) const {
-    const double wt = s_.start_phase + s_.drive.angular_frequency * t, c = std::cos(wt), s = std::sin(wt);
-    return pull_ + c * by_cos_ + s * by_sin_;
-  }
-  /// Its derivative by time.
-  Eigen::Vector2d jerk(double t) const {
-    const double w = s_.drive.angular_frequency, wt = s_.start_phase + w * t;
-    return w * (std::cos(wt) * by_sin_ - std::sin(wt) * by_cos_);
+  Pull drive(double t) const {
+    const double w = s_.drive.angular_frequency, wt = s_.start_phase + w * t, c = std::cos(wt),
+                 s = std::sin(wt);
+    return {pull_ + c * by_cos_ + s * by_sin_, w * (c * by_sin_ - s * by_cos_)};
   }
   /// At the t of the segment.
   Deceleration deceleration(double t, double speed) const {
@@ -60,17 +60,16 @@ class Equation {
             mu.by_speed * g * (1 + more) - mu.value * g * more * 2 * fading / (0.25 * speed_) + law_.viscous,
             mu.by_time * g * (1 + more)};
   }
-  /// Along the motion, or where the part is about to go.
-  Eigen::Vector2d direction(double t, const Eigen::Vector2d& u) const {
-    const double speed = u.norm();
-    return speed > 0 ? Eigen::Vector2d(u / speed) : drive(t).normalized();
-  }
   Eigen::Vector2d acceleration(double t, const Eigen::Vector2d& u, const Eigen::Vector2d& drive) const {
-    const double speed = u.norm(), m = deceleration(t, speed).value;
-    return drive - m * (speed > 0 ? Eigen::Vector2d(u / speed) : drive.normalized());
+    const double speed = u.norm();
+    return drive - deceleration(t, speed).value * direction(u, speed, drive);
+  }
+  /// Along the motion, or where the part is about to go.
+  static Eigen::Vector2d direction(const Eigen::Vector2d& u, double speed, const Eigen::Vector2d& drive) {
+    return speed > 0 ? Eigen::Vector2d(u / speed) : drive.normalized();
   }
   bool holds(double t) const {
-    return drive(t).norm() <= (1 + law_.static_friction) * deceleration(t, 0).value;
+    return drive(t).value.norm() <= (1 + law_.static_friction) * deceleration(t, 0).value;
   }
   /// The segment between two stations that holds `middle` is the one that all of the following ask about.
   void enter(double middle) {
@@ -185,11 +184,12 @@ class Integration {
   /// points: that is stiff, and an implicit method's.
   void slide(double station) {
     double h = std::min(h_ > 0 ? h_ : first_step_, station - t_);
+    Pull here = f_.drive(t_);
     while (t_ < station) {
       if (++steps_ > kMaxSteps) throw InvalidParameter("a rival friction law needs too many steps");
       const bool ends = t_ + h >= station || station - t_ - h < 1e-3 * h;
       if (ends) h = station - t_;
-      const auto [next, error] = step(h);
+      const auto [next, error, there] = step(h, here);
       const double size = error.cwiseQuotient(absolute_ + tolerance_ * next.cwiseAbs()).cwiseAbs().maxCoeff();
       const double factor = size > 0 ? 0.9 / std::sqrt(std::sqrt(size)) : 5;
       if (!(size <= 1)) {
@@ -198,6 +198,7 @@ class Integration {
       }
       const Eigen::Vector2d before = q_.tail<2>();
       q_ = next;
+      here = there;
       t_ = ends ? station : t_ + h;
       if (!ends) h_ = h;
       h *= std::clamp(factor, 0.2, 5.0);
@@ -212,10 +213,11 @@ class Integration {
 
   struct Step {
     State end, error;
+    Pull drive;  ///< at the end
   };
   /// Rosenbrock's method of order 4 (3), L-stable: RODAS in Hairer, Wanner, "Solving Ordinary Differential
   /// Equations II", section IV.7.
-  Step step(double h) const {
+  Step step(double h, const Pull& here) const {
     static constexpr int kStages = 6;
     static constexpr double kGamma = 0.25;
     static constexpr double kTime[kStages] = {0, 0.386, 0.21, 0.63, 1, 1};
@@ -235,15 +237,17 @@ class Integration {
         {7.496443313967647, -10.24680431464352, -33.99990352819905, 11.7089089320616},
         {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054}};
     // d - m(|u|) u/|u|, its derivatives by u and by time.
-    const Eigen::Vector2d u = q_.tail<2>(), along = f_.direction(t_, u);
-    const Deceleration m = f_.deceleration(t_, u.norm());
+    const Eigen::Vector2d u = q_.tail<2>();
+    const double speed = u.norm();
+    const Eigen::Vector2d along = f_.direction(u, speed, here.value);
+    const Deceleration m = f_.deceleration(t_, speed);
     const Eigen::Matrix2d on_it = along * along.transpose();
     Eigen::Matrix2d jacobian = -m.by_speed * on_it;
-    if (u.norm() > 0) jacobian -= m.value / u.norm() * (Eigen::Matrix2d::Identity() - on_it);
-    const Eigen::Vector2d by_time = f_.jerk(t_) - m.by_time * along;
+    if (speed > 0) jacobian -= m.value / speed * (Eigen::Matrix2d::Identity() - on_it);
+    const Eigen::Vector2d by_time = here.by_time - m.by_time * along;
     const Eigen::Matrix2d solved = (Eigen::Matrix2d::Identity() / (h * kGamma) - jacobian).inverse();
     State stage[kStages], at = q_;
-    Eigen::Vector2d drive = f_.drive(t_);
+    Pull drive = here;
 #pragma GCC unroll 6
     for (int i = 0; i < kStages; ++i) {
       State sum = State::Zero();
@@ -256,11 +260,12 @@ class Integration {
       sum /= h;
       const Eigen::Vector2d velocity = at.tail<2>();
       if (i > 0 && kTime[i] != kTime[i - 1]) drive = f_.drive(t_ + kTime[i] * h);
-      stage[i].tail<2>() = solved * (f_.acceleration(t_ + kTime[i] * h, velocity, drive) + sum.tail<2>() +
-                                     h * kByTime[i] * by_time);
+      const Eigen::Vector2d rate = i == 0 ? Eigen::Vector2d(here.value - m.value * along)
+                                          : f_.acceleration(t_ + kTime[i] * h, velocity, drive.value);
+      stage[i].tail<2>() = solved * (rate + sum.tail<2>() + h * kByTime[i] * by_time);
       stage[i].head<2>() = h * kGamma * (velocity + sum.head<2>() + stage[i].tail<2>());
     }
-    return {at + stage[kStages - 1], stage[kStages - 1]};
+    return {at + stage[kStages - 1], stage[kStages - 1], drive};
   }
 
   Equation f_;
