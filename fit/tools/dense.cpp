@@ -75,8 +75,11 @@ Eigen::MatrixXd triangle_of(Eigen::MatrixXd matrix) {
 }
 
 Eigen::MatrixX2d orthonormal(const Eigen::MatrixX2d& columns) {
-  const Eigen::HouseholderQR<Eigen::MatrixX2d> qr(columns);
-  return qr.householderQ() * Eigen::MatrixX2d::Identity(columns.rows(), 2);
+  Eigen::MatrixX2d q = columns;
+  q.col(0).normalize();
+  for (int twice = 0; twice < 2; ++twice)  // once leaves what rounding makes of columns nearly alike
+    q.col(1) = (q.col(1) - q.col(0) * q.col(0).dot(q.col(1))).normalized();
+  return q;
 }
 
 Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& columns) {
