@@ -128,12 +128,12 @@ class OneSide {
   }
 
   /// Of the full model the root of the rise at a place, all others at their best, were it linear from there.
-  std::optional<double> full_height(double here, Residuals::Laws laws) const {
+  std::optional<double> full_height(double here) const {
     Residuals full = residuals_;
     Eigen::VectorXd z = last_ + along_ * (here - place(last_(index_)));
     z(index_) = from_place(here);
     const Eigen::VectorXd values = full.unknowns().values(z);
-    const auto at = full.linearise(values, laws) ? full.at(values) : std::nullopt;
+    const auto at = full.linearise(values) ? full.at(values) : std::nullopt;
     if (!at) return std::nullopt;
     return height(at->chi2() - newton_decrement(*at, index_));
   }
@@ -150,10 +150,7 @@ class OneSide {
     double way = direction * (place(end) - first);
     bool moved = false;
     for (int k = 0; k < kMost; ++k) {
-      // What laws add changes slowly: it is kept as long as the end stays.
-      auto off = full_height(first + direction * way, Residuals::Laws::kept);
-      if (off && !(std::abs(*off) < kOff * target))
-        off = full_height(first + direction * way, Residuals::Laws::anew);
+      const auto off = full_height(first + direction * way);
       if (!off || std::abs(*off) < kOff * target) break;
       way *= std::clamp(target / std::max(target + *off, 0.01 * target), 0.5, 2.0);
       moved = true;
