@@ -12,7 +12,6 @@
 #include "model/equation/edges.h"
 #include "model/equation/stick.h"
 #include "model/series/rest_series.h"
-#include "model/series/turn.h"
 #include "model/solver/piece.h"
 #include "model/solver/solver_input.h"
 #include "model/trajectory.h"
@@ -91,7 +90,6 @@ class Stepper {
   bool glide(double target);
   void slip(double target);
   void creep_past_zero(double target);
-  bool jump_to_zero(double target);
   bool slow(double target, bool from_rest);
   void reach_zero(const T& moved);
 
@@ -276,24 +274,12 @@ void Stepper<T>::creep_past_zero(double target) {
   // Where the implicit step fails it is tried again after ever more steps.
   int steps_until_slow = 0, patience = 3;
   PolarState<T> state;
-  const auto begin = [&] {
-    state.s = T(s_);
-    state.x = x_.x;
-    state.y = x_.y;
-    to_polar(u_, state.log_speed, state.angle);
-  };
-  begin();
+  state.s = T(s_);
+  state.x = x_.x;
+  state.y = x_.y;
+  to_polar(u_, state.log_speed, state.angle);
   PolarSeries<T> series;
   while (s_ < target) {
-    if (jump_to_zero(target)) return;
-    if (const auto turn = dense_ ? std::nullopt : turn_about(drive(), kappa(), s_, u_, tolerance_);
-        turn && s_ + turn->span < target) {
-      count_step();
-      u_ = turn->velocity;
-      move(turn->moved);
-      s_ += turn->span;
-      begin();
-    }
     const double r = std::exp(value(state.log_speed));
     if (r < kStiffSpeed * value(kappa()) && steps_until_slow-- <= 0) {
       steps_until_slow = patience;
@@ -323,42 +309,6 @@ void Stepper<T>::creep_past_zero(double target) {
     if (speed < kZeroSpeed) return reach_zero(change(state.s));
     if (speed > 1.25 * kSmallSpeed * strength()) return;
   }
-}
-
-/// In one step to u = 0, along a line from so near that the drive in between is that of half-way; false where
-/// it is not (yet) so. The part stops there, or sets out anew: what it moves across the drive counts as
-/// nothing.
-template <class T>
-bool Stepper<T>::jump_to_zero(double target) {
-  using std::sqrt;
-  const auto time_left = [&](const Pair<T>& d) -> T {
-    return (dot(d, u_) + kappa() * sqrt(dot(u_, u_))) / (kappa() * kappa() - dot(d, d));
-  };
-  const Pair<double> d = drive().value_at(s_), u{value(u_.x), value(u_.y)};
-  const double mu = value(kappa());
-  double until = (dot(d, u) + mu * length(u)) / (mu * mu - dot(d, d));
-  if (!(until > 0 && until * until * until < tolerance_) || s_ + until >= target ||
-      std::fabs(d.x * u.y - d.y * u.x) > tolerance_ * length(d))
-    return false;
-  const double half_way = s_ + 0.5 * until;
-  Pair<T> pull = drive().at(half_way);
-  pull = pull + T(0.5 * change(time_left(pull))) * drive().slope(half_way);
-  const T left = time_left(pull);
-  if (!(std::fabs(value(left) - until) * until < tolerance_)) return false;
-  until = value(left);
-  Piece<T> piece = begin_piece();
-  piece.span = until;
-  SlipSeries<T> line;
-  line.order = 1;
-  line.x[0] = u_.x;
-  line.y[0] = u_.y;
-  line.x[1] = u_.x / -left;
-  line.y[1] = u_.y / -left;
-  if (dense_) chain_.add(piece, line);
-  move(0.5 * left * u_);
-  s_ += until;
-  reach_zero(change(left));
-  return true;
 }
 
 /// u = 0 at s, a phase that has derivatives `moved`: held from now on, or driven through.

@@ -117,28 +117,6 @@ TEST(Sensitivity, OfTheEndIsThatOfTheReference) {
   std::cout << "worst " << worst << '\n';
 }
 
-/// A platform that moves along a line, or nearly, turns the part about near u = 0 twice a cycle: at a fit's
-/// tolerance what moves it across is known as well as along.
-TEST(Sensitivity, AcrossALineAtAFitsTolerance) {
-  for (const double share : {0.05, 0.3})
-    for (const double ratio : {0.0, 1e-8, 1e-6, 1e-5}) {
-      Scenario s;
-      s.friction = {0.11 * share, 0.022 * share, 0.7, 1, 0.1};
-      s.drive.amplitude_y = ratio * s.drive.amplitude;
-      IntegrationOptions options;
-      options.derivatives = {Parameter::mu1, Parameter::tilt_y, Parameter::amplitude_y};
-      const Eigen::Matrix2Xd exact = integrate(s, options).sensitive_end().position_jacobian;
-      options.tolerance = 1e-9;
-      options.dense = false;
-      const Trajectory t = integrate(s, options);
-      EXPECT_LT(t.summary().steps, 1300) << ratio;
-      for (Eigen::Index j = 0; j < 3; ++j)
-        EXPECT_LT((t.sensitive_end().position_jacobian.col(j) - exact.col(j)).norm(),
-                  0.02 * exact.col(j).norm())
-            << share << ' ' << ratio << ' ' << j;
-    }
-}
-
 /// Samples along the way at fixed times: against the same trajectory stopped there.
 TEST(Sensitivity, EverySample) {
   Scenario s = reference_run();
