@@ -126,7 +126,10 @@ class Tracking {
   void measure_radius(const std::vector<FirstPassFrame>& seen);
   void check_roundness(const std::vector<FirstPassFrame>& seen);
   void prepend_absence();
-  FrameSource& frames() { return mended_ ? static_cast<FrameSource&>(*mended_) : cache_; }
+  FrameSource& frames() {
+    if (mended_) return *mended_;
+    return cache_;
+  }
 
   FrameSource& recording_;
   TrackOptions options_;
