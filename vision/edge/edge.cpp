@@ -227,9 +227,10 @@ EdgeTrack track_edge(FrameSource& source, const std::vector<FirstPassFrame>& fra
 namespace {
 
 constexpr const char* kName = "edge in bands of time";
-constexpr double kTurnVisible = 0.05;  ///< px rms at the rim: less rotation does not show
-constexpr double kWorth = 1.2;         ///< of the bound: a track that is as good gains a tenth at most
-constexpr double kSmallest = 6;        ///< px of radius: below, rays from all sides meet
+constexpr double kTurnVisible = 0.05;   ///< px rms at the rim: less rotation does not show
+constexpr double kWorth = 1.2;          ///< of the bound: a track that is as good gains a tenth at most
+constexpr std::ptrdiff_t kAtEnds = 32;  ///< frames: enough to learn from, a small part of most recordings
+constexpr double kSmallest = 6;         ///< px of radius: below, rays from all sides meet
 
 /// Whether the part turns visibly: its angles vary more over the recording than they scatter from frame to
 /// frame.
@@ -250,15 +251,32 @@ bool turns(const FirstPassResult& first, const Track& track) {
 
 /// Why the edge need not be looked at; empty where it must.
 std::string reason_against(const FirstPassResult& first, const TrackOptions& options, bool coded,
-                           bool turning, double stated) {
+                           bool turning) {
   if (options.layers == Layers::off) return "switched off with the second pass";
   if (first.blur <= 0) return "the part has no measured round edge";
   if (first.disc.radius < kSmallest) return "the part is too small";
   if (coded && !turning) return "the part does not turn visibly, and lossy compression moves an edge as well";
-  if (!turning && stated < kWorth * first.limit_px)
-    return fmt::format("the part's pictures give {:.2g} px, noise alone allows {:.2g} px", stated,
-                       first.limit_px);
   return {};
+}
+
+/// Pictures of a part that turns hold what turns with it, and do not know: what the edge's own errors leave
+/// of the difference is theirs, px.
+double errors_of_pictures(const Remeasurement& by_edge, double stated) {
+  return std::max(stated, std::sqrt(std::max(0.0, std::pow(by_edge.differ, 2) - std::pow(by_edge.sd, 2))));
+}
+
+/// Whether pictures that call themselves near the limit drift all the same, by the first and the last frames.
+bool drifts(FrameSource& source, const Track& track, const std::vector<FirstPassFrame>& frames,
+            const std::vector<std::size_t>& places, const EdgeOptions& options, double stated) {
+  if (frames.size() <= 2 * static_cast<std::size_t>(kAtEnds)) return true;
+  std::vector<FirstPassFrame> ends(frames.begin(), frames.begin() + kAtEnds);
+  std::vector<std::size_t> of_ends(places.begin(), places.begin() + kAtEnds);
+  ends.insert(ends.end(), frames.end() - kAtEnds, frames.end());
+  of_ends.insert(of_ends.end(), places.end() - kAtEnds, places.end());
+  const EdgeTrack edge = track_edge(source, ends, options);
+  if (edge.fixes.empty()) return false;
+  const Remeasurement change = compare(track, of_ends, edge.fixes);
+  return change.sd < errors_of_pictures(change, stated);
 }
 
 }  // namespace
@@ -268,29 +286,30 @@ PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   const bool coded = source.info().coder.has_value(), turning = turns(first, track);
   PassOutcome out;
   PlanStage& stage = out.stage;
-  stage = {.name = kName, .reason = reason_against(first, options, coded, turning, stated)};
+  stage = {.name = kName, .reason = reason_against(first, options, coded, turning)};
   if (!stage.reason.empty()) return out;
   const auto running = clock.enter("edge in bands");
   const auto [frames, places] = seen_frames(track, first.first_index);
-  const EdgeTrack edge = track_edge(
-      source, frames,
-      {.radius = first.disc.radius, .noise_variance = first.noise_variance, .threads = options.threads});
+  const EdgeOptions asked{first.disc.radius, first.noise_variance, options.threads};
+  if (stated < kWorth * first.limit_px) {
+    stage.reason = fmt::format("the part's pictures give {:.2g} px, noise alone allows {:.2g} px", stated,
+                               first.limit_px);
+    if (!turning || !drifts(source, track, frames, places, asked, stated)) return out;
+  }
+  const EdgeTrack edge = track_edge(source, frames, asked);
   if (edge.fixes.empty()) {
     stage.reason = edge.why_not;
     return out;
   }
   const Remeasurement change = compare(track, places, edge.fixes);
-  const double differ = change.differ * change.differ, of_edge = change.sd * change.sd;
-  // Pictures of a part that turns hold what turns with it, and do not know: what the edge's own errors leave
-  // of the difference is theirs.
-  const double of_track = std::max(stated * stated, differ - of_edge);
-  stage.on = of_edge < of_track;
+  const double of_track = errors_of_pictures(change, stated);
+  stage.on = change.sd < of_track;
   stage.reason = fmt::format(
       "learnt from {} frames: edge at {:.2f} px, blur {:.2f} px, chamfer {:.2f} px; predicted errors: {:.2g} "
       "px by the edge, of "
       "them {:.2g} px slow, {:.2g} px by the part's pictures; they differ by {:.2g} px rms",
-      edge.learnt_from, edge.radius, edge.optics.blur, edge.optics.chamfer, change.sd, edge.slow_sd,
-      std::sqrt(of_track), change.differ);
+      edge.learnt_from, edge.radius, edge.optics.blur, edge.optics.chamfer, change.sd, edge.slow_sd, of_track,
+      change.differ);
   if (!stage.on) return out;
   replace(track, places, edge.fixes);
   out.limit_px = change.median_sd;
