@@ -17,7 +17,6 @@ constexpr std::size_t kLearnt = 512,
                       kBlock = 64;  ///< frames learnt from at most, and consecutive ones of them
 constexpr std::size_t kLevels = std::size_t{1}
                                 << 24;  ///< numbers kept of these: some 300 MB with their bands
-constexpr int kRounds = 4;              ///< positions settle in three
 constexpr int kSlopeRounds = 2;         ///< the gradient of the mean picture settles before
 constexpr int kOpticsEvery = 2;         ///< rounds
 constexpr int kIterations = 50, kMoreIterations = 20;  ///< of the variances, first and again
@@ -41,7 +40,7 @@ class EdgeTracking {
       out_.why_not = "too few frames show the whole edge";
       return std::move(out_);
     }
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < options_.rounds; ++round) {
       sample_learning_frames(round < kSlopeRounds);
       const std::vector<RaySamples> bands =
           samples_of_bands(grid_, levels_, options_.noise_variance, block_ends_);
@@ -267,12 +266,13 @@ double errors_of_pictures(const Remeasurement& by_edge, double stated) {
 
 /// Whether pictures that call themselves near the limit drift all the same, by the first and the last frames.
 bool drifts(FrameSource& source, const Track& track, const std::vector<FirstPassFrame>& frames,
-            const std::vector<std::size_t>& places, const EdgeOptions& options, double stated) {
+            const std::vector<std::size_t>& places, EdgeOptions options, double stated) {
   if (frames.size() <= 2 * static_cast<std::size_t>(kAtEnds)) return true;
   std::vector<FirstPassFrame> ends(frames.begin(), frames.begin() + kAtEnds);
   std::vector<std::size_t> of_ends(places.begin(), places.begin() + kAtEnds);
   ends.insert(ends.end(), frames.end() - kAtEnds, frames.end());
   of_ends.insert(of_ends.end(), places.end() - kAtEnds, places.end());
+  options.rounds = 2;
   const EdgeTrack edge = track_edge(source, ends, options);
   if (edge.fixes.empty()) return false;
   const Remeasurement change = compare(track, of_ends, edge.fixes);
@@ -290,7 +290,8 @@ PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   if (!stage.reason.empty()) return out;
   const auto running = clock.enter("edge in bands");
   const auto [frames, places] = seen_frames(track, first.first_index);
-  const EdgeOptions asked{first.disc.radius, first.noise_variance, options.threads};
+  const EdgeOptions asked{
+      .radius = first.disc.radius, .noise_variance = first.noise_variance, .threads = options.threads};
   if (stated < kWorth * first.limit_px) {
     stage.reason = fmt::format("the part's pictures give {:.2g} px, noise alone allows {:.2g} px", stated,
                                first.limit_px);

@@ -29,6 +29,7 @@ struct EdgeOptions {
   double radius = 0;          ///< px, known to about a pixel
   double noise_variance = 1;  ///< of a pixel, grey levels^2
   int threads = 1;            ///< the result is the same for any number
+  int rounds = 4;             ///< of learning: positions settle in three
 };
 
 struct EdgeTrack {
