@@ -295,7 +295,12 @@ PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   if (stated < kWorth * first.limit_px) {
     stage.reason = fmt::format("the part's pictures give {:.2g} px, noise alone allows {:.2g} px", stated,
                                first.limit_px);
-    if (!turning || !drifts(source, track, frames, places, asked, stated)) return out;
+    if (!turning) return out;
+    if (!drifts(source, track, frames, places, asked, stated)) {
+      stage.reason +=
+          fmt::format("; in the first and last {} frames the edge does not contradict them", kAtEnds);
+      return out;
+    }
   }
   const EdgeTrack edge = track_edge(source, frames, asked);
   if (edge.fixes.empty()) {

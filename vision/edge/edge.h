@@ -10,7 +10,8 @@
 // B_b the band. Its covariance is that of the scores of sixteen sectors among each other: it holds whatever
 // moves the sectors, as long as it does not move them together as a shift does.
 //
-// M, the gradient, the variances and the rim's optics are learnt from a bounded number of frames, in rounds.
+// M, the gradient and the variances are learnt from a bounded number of frames, in rounds; the rim's optics
+// from M and, once positions have settled, from the slow band, whose fields end at the same edge.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,10 +39,10 @@ struct EdgeTrack {
   std::vector<std::optional<Remeasured>> fixes;
   std::string why_not;
   std::size_t learnt_from = 0;  ///< frames
-  RimOptics optics;             ///< of the rim in the mean picture
-  double radius = 0;            ///< of the edge in the mean picture, px
-  double slow_sd = 0;           ///< of a coordinate's errors in the slow band, px: part of the covariances
-  double slow_frames = 0;       ///< over how many frames they stay alike
+  RimOptics optics;
+  double radius = 0;       ///< of the edge, px
+  double slow_sd = 0;      ///< of a coordinate's errors in the slow band, px: part of the covariances
+  double slow_frames = 0;  ///< over how many frames they stay alike
 };
 
 /// Frames in order, with centres that are known to a pixel. Throws InputError for a recording that cannot be
@@ -52,11 +53,11 @@ EdgeTrack track_edge(FrameSource& source, const std::vector<FirstPassFrame>& fra
 // The edge in bands of time as a stage of tracking: whether it pays, and whether it does better than
 // pictures.
 
-/// `stated` is the error of a coordinate, px, that the track and its audit state.
-/// Measures the ok points of `track` again by the part's edge where noise alone would allow clearly less than
-/// the track says of itself: something turns, or the light changes. Positions and covariances change where
-/// the edge is better known than the track: where the two differ by more than the edge's own errors, the
-/// track's are at least what is left, of a part that turns all of it.
+/// Measures the ok points of `track` again by the part's edge, if noise alone would allow clearly less than
+/// the error of a coordinate that the track and its audit state (`stated`, px), or if the part turns visibly
+/// and the edge disagrees with the track in the first and the last frames. Positions and covariances change
+/// if the edge errs by less than the track: by `stated`, or by what the edge's own errors leave of their
+/// difference.
 PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                        StageClock& clock, double stated, Track& track);
 

@@ -129,7 +129,7 @@ RaySamples samples_of_mean(const RayGrid& grid, const std::vector<float>& mean, 
 std::vector<RaySamples> samples_of_bands(const RayGrid& grid, const std::vector<float>& levels,
                                          double noise_variance, std::span<const std::size_t> block_ends);
 
-/// One covariance of all sectors.
+/// One covariance of all sectors; its noise with what no field explains.
 RaySamples all_round(const RaySamples& sectors);
 
 /// The rim's optics of greatest likelihood for samples of one covariance each, whose rays all share them

@@ -9,7 +9,7 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr double kAlike = 6;       ///< px of the rim over which fields have like variances
-constexpr double kOfLevels = 0.1;  ///< grey levels^2 of a ray's means that no field explains
+constexpr double kOfLevels = 0.1;  ///< grey levels^2 of an average over rays that no field explains
 constexpr int kIterations = 20;    ///< of the variances, for each optics tried
 constexpr double kEdgeReach = 1.25, kCoarse = 0.5, kFine = 0.1;  ///< px about the circle given; steps
 constexpr double kSharpest = 0.4;                                ///< px: a pixel alone blurs by 0.29
