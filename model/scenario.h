@@ -85,7 +85,7 @@ struct Scenario {
   double cycles = 20;
 
   /// Throws InvalidParameter naming the parameter (negative mu, g <= 0, dtau outside [0, 2 pi], NaN, ...).
-  /// integrate(), steady_orbit(), plan() and solve_batch() call it.
+  /// integrate(), steady_orbit() and plan() call it.
   void validate() const;
   /// duration, or cycles * 2 pi / w when duration is 0. s.
   double end_time() const;

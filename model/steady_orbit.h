@@ -26,12 +26,11 @@ struct SteadyOrbit {
   double mean_velocity(double angular_frequency) const;  ///< v = |drift| w / 2 pi, m/s
 };
 
-/// Newton's method: by parts of the cycle side by side where the part slides throughout on a circling
-/// platform (lanes/shooting.h), else on the one-cycle map; a cycle where stick wipes the memory. From the
-/// platform phase scenario.start_phase. `with_pulses = false`: the motion at constant mu1 ("circling").
-/// nullopt where no unique steady motion exists (no friction anywhere in the cycle, tilt beyond the friction
-/// angle). Throws InvalidParameter for a bad scenario, and StepLimitExceeded where the search takes more
-/// steps than IntegrationOptions::max_steps is by default.
+/// Newton's method on the one-cycle map; a cycle where stick wipes the memory. From the platform phase
+/// scenario.start_phase. `with_pulses = false`: the motion at constant mu1 ("circling"). nullopt where no
+/// unique steady motion exists (no friction anywhere in the cycle, tilt beyond the friction angle). Throws
+/// InvalidParameter for a bad scenario, and StepLimitExceeded where the search takes more steps than
+/// IntegrationOptions::max_steps is by default.
 std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_pulses = true);
 
 }  // namespace tribotrack::model

@@ -8,7 +8,7 @@
 
 #include "apps/files/scenario_file.h"
 #include "apps/program/context.h"
-#include "model/batch.h"
+#include "model/scenario.h"
 
 namespace tribotrack::apps {
 
@@ -60,7 +60,6 @@ class Sweep {
 struct SweptModel {
   std::vector<double> alpha_rad, v_mm_s;                ///< of the runs
   std::vector<double> steady_alpha_rad, steady_v_mm_s;  ///< of the steady motion under the same conditions
-  model::BatchSummary summary;
 };
 
 /// On all threads, with progress. Refuses a scenario out of range before the work, not after it: InvalidInput

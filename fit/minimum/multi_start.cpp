@@ -16,6 +16,9 @@ namespace {
 constexpr std::size_t kTracks = 6;  ///< basins that a fit to tracks, whose descents cost much, looks into
 constexpr double kRoughDecrement = 0.01;  ///< a tenth of a standard deviation
 constexpr std::size_t kRunsToSearch = 24;
+/// Points of the box to begin with; the latter where the lowest minimum that they lead to is rejected.
+constexpr std::size_t kPoints[] = {250, 2000};
+constexpr double kRejected = 1e-3;
 
 }  // namespace
 
@@ -91,6 +94,28 @@ Problem thinned(Problem problem) {
   return problem;
 }
 
+bool guessed(const Unknowns& unknowns) {
+  return !unknowns.problem().start.empty();
+}
+
+/// Start 0 is the user's, or the scene's own scale where nothing better is known; the others are basins of so
+/// many points, which the search keeps.
+std::vector<Eigen::VectorXd> starts_of(Search& search, const Residuals& residuals, const FitOptions& options,
+                                       std::size_t points) {
+  const Unknowns& unknowns = residuals.unknowns();
+  const std::size_t wanted = static_cast<std::size_t>(options.multi_starts);
+  std::vector<Eigen::VectorXd> starts;
+  if (wanted == 1 || guessed(unknowns)) starts.push_back(unknowns.z(unknowns.first_guess()));
+  if (wanted > 1) {
+    search.sample = screen(residuals, options.threads, points);
+    const std::size_t most = unknowns.problem().trajectory_runs.empty() ? wanted : std::min(wanted, kTracks);
+    for (const auto& point : basins(unknowns, search.sample))
+      if (starts.size() < most) starts.push_back(point.z);
+  }
+  if (starts.empty()) starts.push_back(unknowns.z(unknowns.first_guess()));
+  return starts;
+}
+
 }  // namespace
 
 Search multi_start(const Residuals& residuals, const FitOptions& options) {
@@ -99,20 +124,8 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   rough.set_tolerance(residuals.tolerance_for(0.3, 1e-4));
   Search search;
 
-  // Start 0 is the user's, or the scene's own scale where nothing better is known.
-  const std::size_t wanted = static_cast<std::size_t>(options.multi_starts);
-  const bool guessed = !unknowns.problem().start.empty();
-  std::vector<Eigen::VectorXd> starts;
-  if (wanted == 1 || guessed) starts.push_back(unknowns.z(unknowns.first_guess()));
-  if (wanted > 1) {
-    search.sample = screen(residuals, options.threads);
-    const std::size_t most = unknowns.problem().trajectory_runs.empty() ? wanted : std::min(wanted, kTracks);
-    for (const auto& point : basins(unknowns, search.sample))
-      if (starts.size() < most) starts.push_back(point.z);
-  }
-  if (starts.empty()) starts.push_back(unknowns.z(unknowns.first_guess()));
-
   // Where the valleys are a part of many runs tells.
+  const std::size_t wanted = static_cast<std::size_t>(options.multi_starts);
   const bool many = wanted > 1 && unknowns.problem().summary_runs.size() > kRunsToSearch;
   const Problem few = many ? thinned(unknowns.problem()) : Problem{};
   const std::optional<Unknowns> unknowns_of_few = many ? std::optional<Unknowns>(few) : std::nullopt;
@@ -124,22 +137,30 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
     residuals_of_few->set_own_errors(guess);
   }
   Residuals& searched = many ? *residuals_of_few : rough;
-  const std::size_t first = starts.size() > 1 && guessed ? 1 : 0;
-  if (!searched.linearise(unknowns.values(starts[first]))) searched.linearise(unknowns.first_guess());
-  Minima minima(searched);
-
-  // The most promising start finds the minimum that most others then join early.
-  Stage stage(options, "starts", starts.size());
-  minima.descend_from({starts[first]}, 1, stage);
-  search.starts = static_cast<int>(starts.size());
-  starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(first));
-  minima.descend_from(starts, options.threads, stage);
-  minima.sort();
+  std::vector<Minimum> found;
+  for (const std::size_t points : kPoints) {
+    const std::size_t before = search.sample.size();
+    std::vector<Eigen::VectorXd> starts = starts_of(search, residuals, options, points);
+    if (search.sample.size() == before && search.starts > 0) break;
+    for (const Minimum& known : found) starts.push_back(known.z);
+    // The most promising start finds the minimum that most others then join early.
+    const std::size_t first = starts.size() > 1 && guessed(unknowns) ? 1 : 0;
+    if (!searched.linearise(unknowns.values(starts[first]))) searched.linearise(unknowns.first_guess());
+    Minima minima(searched);
+    Stage stage(options, "starts", starts.size());
+    minima.descend_from({starts[first]}, 1, stage);
+    search.starts += static_cast<int>(starts.size());
+    starts.erase(starts.begin() + static_cast<std::ptrdiff_t>(first));
+    minima.descend_from(starts, options.threads, stage);
+    minima.sort();
+    found = minima.found();
+    if (!found.empty() && !(searched.p_value(found.front().chi2) < kRejected)) break;
+  }
   Minima of_all(rough);
   if (many) {
     std::vector<Eigen::VectorXd> places;
     std::vector<int> descents;
-    for (const Minimum& minimum : minima.found()) {
+    for (const Minimum& minimum : found) {
       places.push_back(minimum.z);
       descents.push_back(minimum.descents);
     }
@@ -148,7 +169,7 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
     of_all.descend_from(places, options.threads, refined, descents);
     of_all.sort();
   }
-  search.minima = (many ? of_all : minima).found();
+  search.minima = many ? of_all.found() : std::move(found);
   if (!search.minima.empty()) search.at_best = search.minima.front().descents;
   return search;
 }

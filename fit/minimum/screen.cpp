@@ -11,15 +11,17 @@
 
 #include "fit/tools/dense.h"
 
-#include "model/batch.h"
 #include "model/parallel.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::fit::internal {
 namespace {
 
 constexpr std::size_t kRunsLookedAt = 6, kFewRuns = 8;
-constexpr int kInLanes = 8000, kOneByOne = 2000, kFirst = 500, kSlides = 24;
-constexpr double kTolerance = 1e-4;  ///< of the velocity at each step: ends to better than 1 %
+constexpr std::size_t kMost = 8000, kSlides = 24;
+constexpr int kNoEffect = 10;  ///< each such point has mu2 = mu1: the valley of pulses without effect is narrow
+constexpr std::size_t kAtOnce = 100;  ///< points, of which the next ones know the best
+constexpr double kTolerance = 1e-4;  ///< of the velocity at each step: 99 of 100 ends to 3e-4
 /// Of a displacement: what the tolerance, and the rotation law beside the start from rest, may be off.
 constexpr double kAccuracy = 0.01;
 constexpr std::size_t kAngles = 64;  ///< of a turn: a polynomial of second order has at most two minima
@@ -61,7 +63,7 @@ Eigen::VectorXd box_point(const Unknowns& unknowns, const Eigen::VectorXd& guess
     }
     switch (parameter) {
       case FitParameter::mu2:
-        point(i) = mu1 * (driven ? between(0.02, 0.8, u) : between(0.002, 1, u));
+        point(i) = mu1 * (k % kNoEffect == 1 ? 1 : driven ? between(0.02, 0.8, u) : between(0.002, 1, u));
         break;
       case FitParameter::tilt_x:
       case FitParameter::tilt_y:
@@ -192,48 +194,39 @@ class Turned {
   Eigen::Matrix2d square_ = Eigen::Matrix2d::Zero();
 };
 
-/// chi^2 at `values`, about, from where the looks' motions end there, the lag (or delay) being 0. With it
-/// free `values` get the one that turns the modelled displacements best onto the measured ones: one
-/// simulation a run.
-double judge(const Unknowns& unknowns, const std::vector<Look>& looks, const model::BatchEnd* ends,
-             Eigen::VectorXd& values) {
-  Turned turned;
-  for (std::size_t i = 0; i < looks.size(); ++i) {
-    const Look& look = looks[i];
-    if (ends[i].status != model::BatchStatus::done) return std::numeric_limits<double>::infinity();
-    // epsilon = +pi/2 circles clockwise: a later pulse turns the drift by -lag.
-    const bool clockwise = std::sin(look.scenario.drive.phase_shift) >= 0;
-    const double scale = unknowns.apply(values, look.scenario, look.amplitude_from_track, false).scale;
-    turned.add(look.measured, look.white, ends[i].position / scale, clockwise);
-  }
-  const auto turns = turning(unknowns);
-  if (!turns) return turned.at(0);
-  const double angle = turned.best_angle();
-  values(*turns) =
-      unknowns.parameter(*turns) == FitParameter::lag ? angle : angle / unknowns.reference_frequency();
-  return turned.at(angle);
+/// Where the motion ends; nothing where the model does not follow it.
+std::optional<Eigen::Vector2d> end_of(const model::Scenario& scenario) try {
+  model::IntegrationOptions options;
+  options.dense = false;
+  options.tolerance = kTolerance;
+  return model::integrate(scenario, options).end().position;
+} catch (const std::exception&) {
+  return std::nullopt;
 }
 
-/// Judges `values`, whose lags are filled in. Says whether the batch model carried them in its lanes.
-bool judge_all(const Unknowns& unknowns, const std::vector<Look>& looks, int threads,
-               std::span<Eigen::VectorXd> values, std::span<ScreenedPoint> points) {
-  if (const auto turns = turning(unknowns))
-    for (Eigen::VectorXd& point : values) point(*turns) = 0;
-  model::BatchOptions batch;
-  batch.threads = threads;
-  batch.tolerance = kTolerance;
-  // All motions together: what differs between them does not matter to the lanes they travel in.
-  const model::BatchOutcome outcome = model::solve_batch(
-      points.size() * looks.size(),
-      [&](std::size_t index) {
-        const Look& look = looks[index % looks.size()];
-        return unknowns.apply(values[index / looks.size()], look.scenario, look.amplitude_from_track, false)
-            .scenario;
-      },
-      batch);
-  for (std::size_t k = 0; k < points.size(); ++k)
-    points[k].chi2 = judge(unknowns, looks, &outcome.ends[k * looks.size()], values[k]);
-  return 2 * outcome.summary.in_lanes > outcome.summary.solutions;
+/// chi^2 at `values`, about. With the lag (or delay) free `values` get the one that turns the modelled
+/// displacements best onto the measured ones: one simulation a run. Runs only add to chi^2: once it is above
+/// `enough` the others are left out.
+double judge(const Unknowns& unknowns, const std::vector<Look>& looks, double enough,
+             Eigen::VectorXd& values) {
+  const auto turns = turning(unknowns);
+  if (turns) values(*turns) = 0;
+  Turned turned;
+  double angle = 0, chi2 = 0;
+  for (const Look& look : looks) {
+    const auto applied = unknowns.apply(values, look.scenario, look.amplitude_from_track, false);
+    const auto end = end_of(applied.scenario);
+    if (!end) return std::numeric_limits<double>::infinity();
+    // epsilon = +pi/2 circles clockwise: a later pulse turns the drift by -lag.
+    const bool clockwise = std::sin(look.scenario.drive.phase_shift) >= 0;
+    turned.add(look.measured, look.white, *end / applied.scale, clockwise);
+    if (turns) angle = turned.best_angle();
+    if (chi2 = turned.at(angle); chi2 > enough) break;
+  }
+  if (turns)
+    values(*turns) =
+        unknowns.parameter(*turns) == FitParameter::lag ? angle : angle / unknowns.reference_frequency();
+  return chi2;
 }
 
 /// Where points lie in their sample: from 0 to 1 along each axis. The lag was computed from the others: it is
@@ -320,41 +313,38 @@ std::vector<ScreenedPoint> promising(const Unknowns& unknowns, const std::vector
 
 }  // namespace
 
-std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads) {
+std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads, std::size_t first) {
   const Unknowns& unknowns = residuals.unknowns();
   const Eigen::VectorXd guess = unknowns.first_guess();
   const std::vector<Look> seen = looks(residuals);
-  const auto box = [&](int first, int end) {
-    std::vector<Eigen::VectorXd> values;
-    for (int k = first; k < end; ++k) values.push_back(k == 0 ? guess : box_point(unknowns, guess, k));
-    return values;
-  };
-  const auto judged = [&](std::vector<ScreenedPoint>& points, int count) {
-    const auto first = points.size();
-    std::vector<Eigen::VectorXd> values = box(static_cast<int>(first), count);
-    points.resize(static_cast<std::size_t>(count));
-    const std::span fresh = std::span(points).subspan(first);
-    bool in_lanes = false;
-    if (seen.empty())
-      parallel_for(fresh.size(), threads, [&](std::size_t k) { fresh[k].chi2 = residuals.chi2(values[k]); });
-    else
-      in_lanes = judge_all(unknowns, seen, threads, values, fresh);
-    for (std::size_t k = 0; k < fresh.size(); ++k) fresh[k].z = unknowns.z(values[k]);
-    return in_lanes;
+  const double near = refinable(residuals);
+  double lowest = std::numeric_limits<double>::infinity();
+  const auto judged = [&](std::vector<ScreenedPoint>& points, std::size_t count) {
+    while (points.size() < count) {
+      const std::size_t before = points.size();
+      points.resize(std::min(count, before + kAtOnce));
+      parallel_for(points.size() - before, threads, [&](std::size_t i) {
+        const std::size_t k = before + i;
+        Eigen::VectorXd values = k == 0 ? guess : box_point(unknowns, guess, static_cast<int>(k));
+        points[k].chi2 =
+            seen.empty() ? residuals.chi2(values) : judge(unknowns, seen, lowest + near, values);
+        points[k].z = unknowns.z(values);
+      });
+      for (std::size_t k = before; k < points.size(); ++k) lowest = std::min(lowest, points[k].chi2);
+    }
   };
   std::vector<ScreenedPoint> points;
   if (seen.empty()) {  // slides: one basin
     judged(points, kSlides);
     return points;
   }
-  const int most = judged(points, kFirst) ? kInLanes : kOneByOne;
-  const double near = refinable(residuals);
+  judged(points, first);
   // Few runs leave more valleys, and narrower ones.
   const int quiet = seen.size() < kRunsLookedAt || fitted_runs(unknowns.problem()) <= kFewRuns ? 2 : 1;
   int since = 0;
-  for (auto known = promising(unknowns, points, near); static_cast<int>(points.size()) < most;) {
+  for (auto known = promising(unknowns, points, near); points.size() < kMost;) {
     const std::size_t before = points.size();
-    judged(points, 2 * static_cast<int>(before));
+    judged(points, 2 * before);
     auto now = promising(unknowns, points, near);
     const Box all(unknowns, points);
     const double critical = all.dimension() > 0 ? all.critical_distance(before) : 1;

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/LU>
+#include <cmath>
 #include <optional>
 #include <vector>
 
-#include "model/equation/matrix2.h"
 #include "model/scenario.h"
 
 namespace tribotrack::model::internal {
@@ -17,7 +18,8 @@ struct Orbit {
   int iterations = 0;
 
   double contraction() const {
-    return spectral_radius({jacobian(0, 0), jacobian(0, 1), jacobian(1, 0), jacobian(1, 1)});
+    const double half = 0.5 * jacobian.trace(), det = jacobian.determinant(), square = half * half - det;
+    return square < 0 ? std::sqrt(det) : std::fabs(half) + std::sqrt(square);
   }
 };
 

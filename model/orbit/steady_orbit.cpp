@@ -5,7 +5,6 @@
 #include <string>
 
 #include "model/alpha_v.h"
-#include "model/lanes/shooting.h"
 #include "model/orbit/orbit.h"
 #include "model/solver/set_up.h"
 #include "model/trajectory.h"
@@ -199,19 +198,14 @@ std::optional<Orbit> search(const Scenario& scenario, bool with_pulses, double t
     return Orbit{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero(), 0};
   // Cheap ways first: what they leave is squared by the next Newton step.
   int iterations = 0;
-  Eigen::Vector2d u;
-  if (const auto shot = with_pulses ? shoot(free) : std::nullopt) {
-    u = shot->velocity / velocity_unit(free);
-    iterations = shot->newton_iterations;
-  } else {
-    u = with_pulses && friction_is_weak(in) ? weak_friction_guess(in) : first_guess(in.problem, with_pulses);
-    if (auto orbit = from_stop_to_stop(free, with_pulses, in, u)) return orbit;
-    if (kLoose > tolerance) {
-      in.tolerance = kLoose;
-      if (const auto orbit = solve_cycle(in, u, 1)) {
-        u = orbit->velocity;
-        iterations = orbit->iterations;
-      }
+  Eigen::Vector2d u =
+      with_pulses && friction_is_weak(in) ? weak_friction_guess(in) : first_guess(in.problem, with_pulses);
+  if (auto orbit = from_stop_to_stop(free, with_pulses, in, u)) return orbit;
+  if (kLoose > tolerance) {
+    in.tolerance = kLoose;
+    if (const auto orbit = solve_cycle(in, u, 1)) {
+      u = orbit->velocity;
+      iterations = orbit->iterations;
     }
   }
   in.tolerance = tolerance;
@@ -234,8 +228,6 @@ std::optional<Orbit> find_orbit(const Scenario& scenario, bool with_pulses, doub
 
 std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_pulses) {
   scenario.validate();
-  if (with_pulses && internal::attracts(scenario, true))
-    if (auto shot = internal::shoot(internal::without_start(scenario))) return shot;
   const auto found = internal::find_orbit(scenario, with_pulses, 1e-16, 1e-5, IntegrationOptions{}.max_steps);
   if (!found) return std::nullopt;
   const double unit = internal::velocity_unit(scenario);

@@ -2,19 +2,13 @@
 #pragma once
 
 #include "model/arcs/arc.h"
-#include "model/lanes/slide_lanes.h"
 
 namespace tribotrack::model::internal {
 
-struct Kernels {
-  ArcSolvers arcs;
-  SlideMachines slides;
-};
+ArcSolvers kernels();  ///< in the instruction set in use (instruction_set.h)
 
-Kernels kernels();  ///< in the instruction set in use (instruction_set.h)
-
-Kernels kernels_baseline();
-Kernels kernels_avx2();
-Kernels kernels_avx512();
+ArcSolvers kernels_baseline();
+ArcSolvers kernels_avx2();
+ArcSolvers kernels_avx512();
 
 }  // namespace tribotrack::model::internal

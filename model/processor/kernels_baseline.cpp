@@ -1,8 +1,7 @@
-// The kernels of arcs and of sliding lanes for any processor.
+// The kernels of arcs for any processor.
 #include "model/processor/kernels.h"
 
 #include "model/arcs/arc_kernel.h"
-#include "model/lanes/slide_kernel.h"
 
 namespace tribotrack::model::internal {
 
@@ -10,8 +9,8 @@ namespace {
 struct Here;  // makes every function of the kernels this file's own
 }
 
-Kernels kernels_baseline() {
-  return {{ArcKernel<Here, 4>::solve, ArcKernel<Here, 8>::solve}, SlideKernel<Here, 4>::machines()};
+ArcSolvers kernels_baseline() {
+  return {ArcKernel<Here, 4>::solve, ArcKernel<Here, 8>::solve};
 }
 
 }  // namespace tribotrack::model::internal
