@@ -108,6 +108,7 @@ class Estimation {
 
  private:
   void describe();
+  void state_chi2(double chi2);
   void add_scatter_of_replicates();
   void find_other_minima();
   void take(std::size_t index);
@@ -154,7 +155,7 @@ void Estimation::find_minimum() {
   // Linear in the conditions the search may take another for the lowest: near the threshold of sliding they
   // are not.
   const auto near = std::min(search_.minima.size(), minimum_.far_from_linear ? kRefined : 1);
-  for (std::size_t i = 1; i < near && residuals_.p_value(minimum_.chi2) < kSurprise; ++i) {
+  for (std::size_t i = 1; i < near; ++i) {
     Residuals there = residuals_;
     const Minimum other = minimise_linearised(there, search_.minima[i].z);
     if (!(other.chi2 < minimum_.chi2) || !admissible(unknowns_, other.z)) continue;
@@ -174,11 +175,16 @@ void Estimation::find_minimum() {
       minimum_.at = std::move(*at);
     }
   }
-  result_.chi2 = minimum_.chi2;
   result_.dof = std::max(0, static_cast<int>(std::lround(residuals_.degrees_of_freedom())));
   result_.noise_dof = residuals_.noise_degrees_of_freedom();
-  result_.p_value = residuals_.p_value(minimum_.chi2);
+  state_chi2(minimum_.chi2);
   result_.conditions = static_cast<int>(unknowns_.common() - unknowns_.reported());
+}
+
+/// Before any scatter.
+void Estimation::state_chi2(double chi2) {
+  result_.chi2 = chi2;
+  result_.p_value = residuals_.p_value(chi2);
 }
 
 void Estimation::add_scatter_of_replicates() {
@@ -303,6 +309,7 @@ void Estimation::quantify_uncertainty() {
   profiles_ = profiles(residuals_, minima_, search_.sample, moved_by_flat_direction(uncertainty_), rises,
                        options_.threads);
   if (minima_.front().chi2 < found) take(0);
+  if (!any(residuals_.excess_variance())) state_chi2(best_.chi2);
 }
 
 void Estimation::describe() {

@@ -109,7 +109,7 @@ std::vector<Eigen::VectorXd> starts_of(Search& search, const Residuals& residual
   if (wanted > 1) {
     search.sample = screen(residuals, options.threads, points);
     const std::size_t most = unknowns.problem().trajectory_runs.empty() ? wanted : std::min(wanted, kTracks);
-    for (const auto& point : basins(unknowns, search.sample))
+    for (const auto& point : basins(unknowns, search.sample, refinable(residuals)))
       if (starts.size() < most) starts.push_back(point.z);
   }
   if (starts.empty()) starts.push_back(unknowns.z(unknowns.first_guess()));

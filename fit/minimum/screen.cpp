@@ -290,7 +290,7 @@ void keep_representative(std::vector<SummaryRun>& runs, std::size_t most) {
 }
 
 double refinable(const Residuals& residuals) {
-  constexpr double kOff = 0.15;
+  constexpr double kOff = 0.25;
   double sum = 0;
   for (const Look& look : looks(residuals)) sum += (look.white * look.measured).squaredNorm();
   return kOff * kOff * sum;
@@ -300,15 +300,6 @@ namespace {
 
 std::size_t fitted_runs(const Problem& problem) {
   return problem.trajectory_runs.size() + problem.summary_runs.size();
-}
-
-/// Basins that may lead to the lowest minimum.
-std::vector<ScreenedPoint> promising(const Unknowns& unknowns, const std::vector<ScreenedPoint>& points,
-                                     double near) {
-  std::vector<ScreenedPoint> bottoms = basins(unknowns, points);  // best first
-  if (!bottoms.empty())
-    std::erase_if(bottoms, [lowest = bottoms.front().chi2 + near](const auto& b) { return b.chi2 > lowest; });
-  return bottoms;
 }
 
 }  // namespace
@@ -342,10 +333,10 @@ std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads, std::
   // Few runs leave more valleys, and narrower ones.
   const int quiet = seen.size() < kRunsLookedAt || fitted_runs(unknowns.problem()) <= kFewRuns ? 2 : 1;
   int since = 0;
-  for (auto known = promising(unknowns, points, near); points.size() < kMost;) {
+  for (auto known = basins(unknowns, points, near); points.size() < kMost;) {
     const std::size_t before = points.size();
     judged(points, 2 * before);
-    auto now = promising(unknowns, points, near);
+    auto now = basins(unknowns, points, near);
     const Box all(unknowns, points);
     const double critical = all.dimension() > 0 ? all.critical_distance(before) : 1;
     if (std::ranges::all_of(now, [&](const ScreenedPoint& bottom) {
@@ -363,7 +354,7 @@ std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads, std::
   return points;
 }
 
-std::vector<ScreenedPoint> basins(const Unknowns& unknowns, std::vector<ScreenedPoint> points) {
+std::vector<ScreenedPoint> basins(const Unknowns& unknowns, std::vector<ScreenedPoint> points, double near) {
   std::erase_if(points, [](const ScreenedPoint& point) { return !std::isfinite(point.chi2); });
   std::ranges::stable_sort(points, {}, &ScreenedPoint::chi2);
   const Box box(unknowns, points);
@@ -372,7 +363,7 @@ std::vector<ScreenedPoint> basins(const Unknowns& unknowns, std::vector<Screened
   std::vector<Eigen::VectorXd> places;
   for (const ScreenedPoint& point : points) places.push_back(box.place(point));
   std::vector<ScreenedPoint> bottoms;
-  for (std::size_t k = 0; k < points.size(); ++k) {
+  for (std::size_t k = 0; k < points.size() && !(points[k].chi2 > points[0].chi2 + near); ++k) {
     bool near_a_better_one = false;  // found soon, where points lie densely
     for (std::size_t other = 0; other < k && !near_a_better_one; ++other)
       near_a_better_one = (places[k] - places[other]).squaredNorm() < critical * critical &&

@@ -26,12 +26,13 @@ std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads, std::
 void keep_representative(std::vector<SummaryRun>& runs, std::size_t most);
 
 /// How far above the best point one may lie in chi^2 that has a minimum as low near it: a neighbour in the
-/// sample differs by some 5 % in mu1 and mu2, and its displacements by 15 % at most.
+/// sample differs by some 10 % in mu1 and mu2, and its displacements by 25 % at most.
 double refinable(const Residuals& residuals);
 
 /// Those that are the best within the critical distance of multi-level single linkage (Rinnooy Kan and Timmer
 /// 1987) and on their side of the sliding threshold mu1 g = A w^2, across which chi^2 has its ridges: the
-/// bottoms of the basins that the sample resolves, best first.
-std::vector<ScreenedPoint> basins(const Unknowns& unknowns, std::vector<ScreenedPoint> points);
+/// bottoms of the basins that the sample resolves, best first. None whose chi^2 is above the best by more than
+/// `near`.
+std::vector<ScreenedPoint> basins(const Unknowns& unknowns, std::vector<ScreenedPoint> points, double near);
 
 }  // namespace tribotrack::fit::internal

@@ -47,6 +47,11 @@ MinimiseOptions held_at(Eigen::Index parameter) {
 
 /// From a point inside a region to where the constrained minimum leaves it.
 class OneSide {
+  struct Point {
+    Eigen::VectorXd z;
+    double height;  ///< root of the rise of chi^2, less the border's
+  };
+
  public:
   /// `level`: chi^2 at the border; `inside` lies below it.
   OneSide(const Residuals& residuals, const Minimum& inside, Eigen::Index parameter, double lowest,
@@ -73,25 +78,33 @@ class OneSide {
     along_ /= slope;
   }
 
-  /// z where the profile crosses; nullopt when it does not before `limit`.
+  /// z where the profile crosses; nullopt when it does not before `limit`. Of a model that is linear in the
+  /// conditions first where it was made linear; then where each point lies, which costs more.
   std::optional<double> cross(double limit) {
-    const std::optional<double> end = linear_cross(limit);
+    const Point inside{inside_.z, height(inside_.chi2)};
+    std::optional<double> end = search(inside, limit, std::max(-inside.height, 0.1 * target()) * sd_);
     if (!end || better || !residuals_.linear_in_conditions()) return end;
-    return corrected(*end, limit);
+    points.resize(known_);
+    linear_there_ = true;
+    end = search(inside, limit, std::abs(place(*end) - place(inside.z(index_))));
+    linear_there_ = false;
+    known_ = points.size();
+    return end;
   }
 
   std::optional<Minimum> better;
   std::vector<ProfilePoint> points;  ///< by the parameter's value
 
  private:
-  /// Of the problem that is linear in the conditions.
-  std::optional<double> linear_cross(double limit) {
-    const double direction = limit > inside_.z(index_) ? 1 : -1;
-    const double target = std::sqrt(level_ - lowest_), end = place(limit);
-    Point inside{inside_.z, height(inside_.chi2)};
+  /// From a point inside, with a first step.
+  std::optional<double> search(Point inside, double limit, double step) {
+    const double direction = limit > inside.z(index_) ? 1 : -1, end = place(limit);
+    // What is looked at again where each point lies may be rough.
+    const bool fine = !residuals_.linear_in_conditions();
+    const double enough = (linear_there_ ? 0.03 : fine ? 0.004 : 0.05) * target();
+    const double narrow = (fine ? 0.005 : 0.03) * std::max(sd_, 1e-12);
     std::optional<Point> outside;
-    double step = std::max(-inside.height, 0.1 * target) * sd_;
-    for (int i = 0; i < kMostPoints; ++i) {
+    for (int i = 0; i < (fine ? kMostPoints : kMostPoints / 2); ++i) {
       const double here = place(inside.z(index_));
       double next = 0;
       if (outside) {  // regula falsi on sqrt(rise), kept off the ends
@@ -108,8 +121,7 @@ class OneSide {
         if (outside || step < 1e-3 * sd_) return std::nullopt;
         continue;
       }
-      last_ = point->z;
-      if (std::abs(point->height) < 0.004 * target) return point->z(index_);
+      if (std::abs(point->height) < enough) return point->z(index_);
       if (point->height < 0) {
         if (next == end) return std::nullopt;
         const double gained = (point->height - inside.height) / std::abs(next - here);
@@ -119,58 +131,18 @@ class OneSide {
       } else {
         outside = *point;
       }
-      if (outside &&
-          std::abs(place(outside->z(index_)) - place(inside.z(index_))) < kNarrow * std::max(sd_, 1e-12))
+      // Kinks of chi^2 tell an end no better.
+      if (outside && std::abs(place(outside->z(index_)) - place(inside.z(index_))) < narrow)
         return point->z(index_);
     }
     return outside ? std::optional(from_place(0.5 * (place(inside.z(index_)) + place(outside->z(index_)))))
                    : std::nullopt;
   }
 
-  /// Of the full model the root of the rise at a place, all others at their best, were it linear from there.
-  std::optional<double> full_height(double here) const {
-    Residuals full = residuals_;
-    Eigen::VectorXd z = last_ + along_ * (here - place(last_(index_)));
-    z(index_) = from_place(here);
-    const Eigen::VectorXd values = full.unknowns().values(z);
-    const auto at = full.linearise(values) ? full.at(values) : std::nullopt;
-    if (!at) return std::nullopt;
-    return height(at->chi2() - newton_decrement(*at, index_));
-  }
-
-  /// The end of a problem that is linear in the conditions, moved by secants to that of the full model where
-  /// it is not there, as near the threshold of sliding. Kinks of chi^2 then hide valleys from a profile: the
-  /// end is no nearer than the covariance has it.
-  double corrected(double end, double limit) const {
-    constexpr int kMost = 3;
-    constexpr double kOff = 0.1;  ///< of the height
-    const double target = std::sqrt(level_ - lowest_), first = place(inside_.z(index_)),
-                 border = place(limit);
-    const double direction = border > first ? 1 : -1;
-    double way = direction * (place(end) - first);
-    bool moved = false;
-    for (int k = 0; k < kMost; ++k) {
-      const auto off = full_height(first + direction * way);
-      if (!off || std::abs(*off) < kOff * target) break;
-      way *= std::clamp(target / std::max(target + *off, 0.01 * target), 0.5, 2.0);
-      moved = true;
-    }
-    if (!moved) return end;
-    way = std::min(std::max(way, target * sd_), direction * (border - first));
-    return from_place(first + direction * way);
-  }
-
   static constexpr int kMostPoints = 12;
-  static constexpr double kNarrow = 0.005;  ///< sd: kinks of chi^2 tell an end no better
 
-  struct Point {
-    Eigen::VectorXd z;
-    double height;  ///< root of the rise of chi^2, less the border's
-  };
-
-  double height(double chi2) const {
-    return std::sqrt(std::max(0.0, chi2 - lowest_)) - std::sqrt(level_ - lowest_);
-  }
+  double target() const { return std::sqrt(level_ - lowest_); }
+  double height(double chi2) const { return std::sqrt(std::max(0.0, chi2 - lowest_)) - target(); }
 
   /// Where a z lies on the axis along which the search steps: the value itself of mu2, whose z a small value
   /// stretches without end.
@@ -181,10 +153,12 @@ class OneSide {
     const Unknowns& unknowns = residuals_.unknowns();
     Eigen::VectorXd start = neighbour.z + along_ * (next - place(neighbour.z(index_)));
     start(index_) = from_place(next);
-    const Minimum held = minimise(residuals_, start, held_at(index_));
+    std::optional<Residuals> there;
+    if (linear_there_ && !there.emplace(residuals_).linearise(unknowns.values(start))) return std::nullopt;
+    const Minimum held = minimise(there ? *there : residuals_, start, held_at(index_));
     if (!std::isfinite(held.chi2)) return std::nullopt;
     // Beyond mu2 = mu1 pulses would raise friction: no part of the model.
-    if (!admissible(unknowns, held.z)) return Point{held.z, std::sqrt(level_ - lowest_)};
+    if (!admissible(unknowns, held.z)) return Point{held.z, target()};
     if (held.chi2 < lowest_ - kLower && !settled_) better = held;
     points.push_back({axis_.value(held.z(index_)), std::max(0.0, held.chi2 - lowest_)});
     return Point{held.z, height(held.chi2)};
@@ -197,7 +171,9 @@ class OneSide {
   const Transform& axis_;
   bool by_value_;
   double lowest_, level_, sd_ = 1;
-  Eigen::VectorXd along_, last_;  ///< last_: the point looked at last
+  bool linear_there_ = false;  ///< a model that is linear in the conditions is made so at each point
+  std::size_t known_ = 0;      ///< points of the side that was looked at before
+  Eigen::VectorXd along_;
 };
 
 /// Pieces less apart than this share of all of them are one: ends are known no better.
