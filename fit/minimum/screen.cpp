@@ -19,9 +19,10 @@ namespace {
 
 constexpr std::size_t kRunsLookedAt = 6, kFewRuns = 8;
 constexpr std::size_t kMost = 8000, kSlides = 24;
-constexpr int kNoEffect = 10;  ///< each such point has mu2 = mu1: the valley of pulses without effect is narrow
+constexpr int kNoEffect =
+    10;  ///< each such point has mu2 = mu1: the valley of pulses without effect is narrow
 constexpr std::size_t kAtOnce = 100;  ///< points, of which the next ones know the best
-constexpr double kTolerance = 1e-4;  ///< of the velocity at each step: 99 of 100 ends to 3e-4
+constexpr double kTolerance = 1e-4;   ///< of the velocity at each step: 99 of 100 ends to 3e-4
 /// Of a displacement: what the tolerance, and the rotation law beside the start from rest, may be off.
 constexpr double kAccuracy = 0.01;
 constexpr std::size_t kAngles = 64;  ///< of a turn: a polynomial of second order has at most two minima
@@ -317,8 +318,7 @@ std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads, std::
       parallel_for(points.size() - before, threads, [&](std::size_t i) {
         const std::size_t k = before + i;
         Eigen::VectorXd values = k == 0 ? guess : box_point(unknowns, guess, static_cast<int>(k));
-        points[k].chi2 =
-            seen.empty() ? residuals.chi2(values) : judge(unknowns, seen, lowest + near, values);
+        points[k].chi2 = seen.empty() ? residuals.chi2(values) : judge(unknowns, seen, lowest + near, values);
         points[k].z = unknowns.z(values);
       });
       for (std::size_t k = before; k < points.size(); ++k) lowest = std::min(lowest, points[k].chi2);

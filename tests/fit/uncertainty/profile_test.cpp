@@ -1,0 +1,43 @@
+// Ends of profiles against what they mean: a fit with the parameter held there.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "fit/campaign.h"
+#include "fit/estimate.h"
+
+namespace tribotrack::fit {
+namespace {
+
+double chi2_with(Problem problem, FitParameter parameter, double value) {
+  std::erase(problem.free, parameter);
+  problem.fixed[parameter] = value;
+  FitOptions search_alone;
+  search_alone.profiles = search_alone.next_experiment = search_alone.estimate_scatter = false;
+  return estimate(problem, search_alone).chi2;
+}
+
+// Conditions and laws enter linearly, and what they do changes from one end of an interval to the other.
+TEST(Profile, AFitHeldAtAnEndRisesByTheLevelWhateverElseIsUncertain) {
+  const unsigned seed = 5;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (const auto& s : test::fourteen({}))
+    problem.summary_runs.push_back(test::summary_run(s, 0.002, 0.01e-3, &random));
+  problem.conditions = {
+      {FitParameter::amplitude, 1.4e-6, "test"}, {FitParameter::amplitude_ratio, 0.01, "test"},
+      {FitParameter::tilt_x, 0.002, "test"},     {FitParameter::tilt_y, 0.002, "test"},
+      {FitParameter::viscous, 1, "test"},        {FitParameter::stribeck, 0.1, "test"},
+      {FitParameter::gate_edges, 0.1, "test"}};
+  const FitResult fit = estimate(problem, {});
+  for (const ParameterEstimate& p : fit.parameters)
+    for (const double end : {p.profile_ci95.low, p.profile_ci95.high})
+      EXPECT_NEAR(chi2_with(problem, p.parameter, end) - fit.chi2, p.profile_level, 0.15 * p.profile_level)
+          << to_string(p.parameter) << " = " << end;
+}
+
+}  // namespace
+}  // namespace tribotrack::fit
