@@ -159,12 +159,15 @@ void EdgeTracking::learn_optics(const RaySamples& slow, bool settled) {
   covariances_ = fields_.covariances(out_.optics, RayFields::Beside::whole_part);
 }
 
-/// Variances of the fields in each band and sector, and the weights that follow.
+/// Variances of the fields in each band and sector (quick: in all sectors together), and the weights that
+/// follow.
 void EdgeTracking::learn_weights(const std::vector<RaySamples>& bands, int iterations) {
   for (std::size_t b = 0; b < kBands; ++b) {
-    for (std::size_t j = 0; j < kSectors; ++j)
-      fit_variances(bands[b].covariances[j], covariances_, bands[b].noise_variance, iterations,
-                    variances_[b][j]);
+    const std::vector<Eigen::MatrixXd> seen =
+        options_.quick ? all_round(bands[b]).covariances : bands[b].covariances;
+    for (std::size_t j = 0; j < seen.size(); ++j)
+      fit_variances(seen[j], covariances_, bands[b].noise_variance, iterations, variances_[b][j]);
+    if (options_.quick) variances_[b].fill(Eigen::VectorXd(variances_[b][0]));
     weights_[b] = weigh(grid_, mean_, covariances_, variances_[b], b, bands[b].noise_variance);
   }
 }
@@ -273,6 +276,7 @@ bool drifts(FrameSource& source, const Track& track, const std::vector<FirstPass
   ends.insert(ends.end(), frames.end() - kAtEnds, frames.end());
   of_ends.insert(of_ends.end(), places.end() - kAtEnds, places.end());
   options.rounds = 2;
+  options.quick = true;
   const EdgeTrack edge = track_edge(source, ends, options);
   if (edge.fixes.empty()) return false;
   const Remeasurement change = compare(track, of_ends, edge.fixes);
