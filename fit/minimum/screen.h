@@ -14,12 +14,13 @@ struct ScreenedPoint {
 
 /// Points of the box by Halton's sequence, the guess as number 0: mu1 from 0.05 to 5 of the sliding threshold
 /// A w^2/g and mu2 from 0.002 to 1 of mu1 on logarithms, most of them where parts are driven (mu1 from 0.15
-/// to 1.6 of the threshold, mu2 from 0.02 to 0.8 mu1), one of ten with mu2 = mu1; tilts +-0.3 deg; A, w and scale +-2 %; twice the sd
-/// where there is a prior. The lag of each is not searched but computed, over its full turn: turning the
-/// pulses by the lag turns the drift by as much (rotation law), so chi^2 is a trigonometric polynomial of
-/// it. Six runs are looked at (keep_representative()); of a trajectory its displacement. `first` points, then
-/// twice as many while these show basins worth a descent that those before did not, at most 8000. A point that
-/// some of the runs show to lie too high is not judged by the others: its chi^2 is a lower bound.
+/// to 1.6 of the threshold, mu2 from 0.02 to 0.8 mu1), one of ten with mu2 = mu1; tilts +-0.3 deg; A, w and
+/// scale +-2 %; twice the sd where there is a prior. The lag of each is not searched but computed, over its
+/// full turn: turning the pulses by the lag turns the drift by as much (rotation law), so chi^2 is a
+/// trigonometric polynomial of it. Six runs are looked at (keep_representative()); of a trajectory its
+/// displacement. `first` points, then twice as many while these show basins worth a descent that those before
+/// did not, at most 8000. A point that some of the runs show to lie too high is not judged by the others: its
+/// chi^2 is a lower bound.
 std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads, std::size_t first);
 
 /// So many of them: one of every pulse width and drive first, then evenly over the others. The rest leave.
@@ -31,8 +32,8 @@ double refinable(const Residuals& residuals);
 
 /// Those that are the best within the critical distance of multi-level single linkage (Rinnooy Kan and Timmer
 /// 1987) and on their side of the sliding threshold mu1 g = A w^2, across which chi^2 has its ridges: the
-/// bottoms of the basins that the sample resolves, best first. None whose chi^2 is above the best by more than
-/// `near`.
+/// bottoms of the basins that the sample resolves, best first. None whose chi^2 is above the best by more
+/// than `near`.
 std::vector<ScreenedPoint> basins(const Unknowns& unknowns, std::vector<ScreenedPoint> points, double near);
 
 }  // namespace tribotrack::fit::internal

@@ -85,9 +85,7 @@ class OneSide {
     std::optional<double> end = search(inside, limit, std::max(-inside.height, 0.1 * target()) * sd_);
     if (!end || better || !residuals_.linear_in_conditions()) return end;
     points.resize(known_);
-    linear_there_ = true;
-    end = search(inside, limit, std::abs(place(*end) - place(inside.z(index_))));
-    linear_there_ = false;
+    end = search(inside, limit, std::abs(place(*end) - place(inside.z(index_))), Linear::at_each_point);
     known_ = points.size();
     return end;
   }
@@ -96,12 +94,15 @@ class OneSide {
   std::vector<ProfilePoint> points;  ///< by the parameter's value
 
  private:
+  /// Where a model is made linear in the conditions; one that is not linear in them is the same everywhere.
+  enum class Linear { as_it_is, at_each_point };
+
   /// From a point inside, with a first step.
-  std::optional<double> search(Point inside, double limit, double step) {
+  std::optional<double> search(Point inside, double limit, double step, Linear where = Linear::as_it_is) {
     const double direction = limit > inside.z(index_) ? 1 : -1, end = place(limit);
     // What is looked at again where each point lies may be rough.
     const bool fine = !residuals_.linear_in_conditions();
-    const double enough = (linear_there_ ? 0.03 : fine ? 0.004 : 0.05) * target();
+    const double enough = (where == Linear::at_each_point ? 0.03 : fine ? 0.004 : 0.05) * target();
     const double narrow = (fine ? 0.005 : 0.03) * std::max(sd_, 1e-12);
     std::optional<Point> outside;
     for (int i = 0; i < (fine ? kMostPoints : kMostPoints / 2); ++i) {
@@ -114,7 +115,7 @@ class OneSide {
         next = here + direction * step;
         if (direction * (next - end) > 0) next = end;
       }
-      const auto point = at(next, outside && outside->height < -inside.height ? *outside : inside);
+      const auto point = at(next, outside && outside->height < -inside.height ? *outside : inside, where);
       if (better) return std::nullopt;
       if (!point) {  // the model cannot be evaluated there
         step *= 0.5;
@@ -149,12 +150,13 @@ class OneSide {
   double place(double z) const { return by_value_ ? axis_.value(z) : z; }
   double from_place(double place) const { return by_value_ ? axis_.z(place) : place; }
 
-  std::optional<Point> at(double next, const Point& neighbour) {
+  std::optional<Point> at(double next, const Point& neighbour, Linear where) {
     const Unknowns& unknowns = residuals_.unknowns();
     Eigen::VectorXd start = neighbour.z + along_ * (next - place(neighbour.z(index_)));
     start(index_) = from_place(next);
     std::optional<Residuals> there;
-    if (linear_there_ && !there.emplace(residuals_).linearise(unknowns.values(start))) return std::nullopt;
+    if (where == Linear::at_each_point && !there.emplace(residuals_).linearise(unknowns.values(start)))
+      return std::nullopt;
     const Minimum held = minimise(there ? *there : residuals_, start, held_at(index_));
     if (!std::isfinite(held.chi2)) return std::nullopt;
     // Beyond mu2 = mu1 pulses would raise friction: no part of the model.
@@ -171,8 +173,7 @@ class OneSide {
   const Transform& axis_;
   bool by_value_;
   double lowest_, level_, sd_ = 1;
-  bool linear_there_ = false;  ///< a model that is linear in the conditions is made so at each point
-  std::size_t known_ = 0;      ///< points of the side that was looked at before
+  std::size_t known_ = 0;  ///< points of the side that was looked at before
   Eigen::VectorXd along_;
 };
 
