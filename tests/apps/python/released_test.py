@@ -78,7 +78,7 @@ class Released(unittest.TestCase):
                 over={"phi_rad": np.linspace(0, 6, 3000), "dtau_rad": np.linspace(0.1, 3, 1000)}, progress=progress
             )
         stage, done, total = enough.exception.args
-        self.assertEqual((stage, total), ("sweep", 6000000))
+        self.assertEqual((stage, total), ("sweep", 3000000))
         self.assertLess(done, total)
 
 
