@@ -133,7 +133,7 @@ def sweep(
     """
     if over is not None and not isinstance(over, dict):
         raise InputError("over must be a dict of one or two names with their values")
-    options = {**conditions, "start": start, "over": over, "threads": threads}
+    options: dict[str, Any] = {**conditions, "start": start, "over": over, "threads": threads}
     result = _calling.call("sweep", scenario, options, progress)
     axes = list(result)[:-4]
     shape = [len(result[name]) for name in axes]
@@ -243,7 +243,8 @@ def measure(
         return Measurement(wrapped(_calling.call("measure", track, options)))
     if not hasattr(track, "keys"):
         raise InputError(f"the track must be a path or a dict of columns, not {type(track).__name__}")
-    given = {"csv": _calling.csv_of(track), "meta": track["meta"] if "meta" in track else None}
+    table: Any = track
+    given = {"csv": _calling.csv_of(table), "meta": table["meta"] if "meta" in table else None}
     return Measurement(wrapped(_calling.call("measure", "track", options, given=given)))
 
 
