@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "fit/tools/dense.h"
-
 #include "model/parallel.h"
 #include "model/trajectory.h"
 
@@ -19,8 +18,8 @@ namespace {
 
 constexpr std::size_t kRunsLookedAt = 6, kFewRuns = 8;
 constexpr std::size_t kMost = 8000, kSlides = 24;
-constexpr int kNoEffect =
-    10;  ///< each such point has mu2 = mu1: the valley of pulses without effect is narrow
+/// Each such point has mu2 = mu1: the valley of pulses without effect is narrow.
+constexpr int kNoEffect = 10;
 constexpr std::size_t kAtOnce = 100;  ///< points, of which the next ones know the best
 constexpr double kTolerance = 1e-4;   ///< of the velocity at each step: 99 of 100 ends to 3e-4
 /// Of a displacement: what the tolerance, and the rotation law beside the start from rest, may be off.

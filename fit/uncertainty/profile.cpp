@@ -85,9 +85,10 @@ class OneSide {
     std::optional<double> end = search(inside, limit, std::max(-inside.height, 0.1 * target()) * sd_);
     if (!end || better || !residuals_.linear_in_conditions()) return end;
     points.resize(known_);
+    bent_ = false;
     end = search(inside, limit, std::abs(place(*end) - place(inside.z(index_))), Linear::at_each_point);
     known_ = points.size();
-    return end;
+    return end && bent_ ? no_nearer_than_covariance(*end, limit) : end;
   }
 
   std::optional<Minimum> better;
@@ -105,6 +106,7 @@ class OneSide {
     const double enough = (where == Linear::at_each_point ? 0.03 : fine ? 0.004 : 0.05) * target();
     const double narrow = (fine ? 0.005 : 0.03) * std::max(sd_, 1e-12);
     std::optional<Point> outside;
+    double least_outside = kInfinity;  ///< height
     for (int i = 0; i < (fine ? kMostPoints : kMostPoints / 2); ++i) {
       const double here = place(inside.z(index_));
       double next = 0;
@@ -122,6 +124,8 @@ class OneSide {
         if (outside || step < 1e-3 * sd_) return std::nullopt;
         continue;
       }
+      bent_ |= point->height < inside.height - kBend * target() ||
+               point->height > least_outside + kBend * target();
       if (std::abs(point->height) < enough) return point->z(index_);
       if (point->height < 0) {
         if (next == end) return std::nullopt;
@@ -131,6 +135,7 @@ class OneSide {
           step = std::clamp(gained > 0 ? -1.05 * point->height / gained : 4 * step, 0.05 * step, 4 * step);
       } else {
         outside = *point;
+        least_outside = std::min(least_outside, point->height);
       }
       // Kinks of chi^2 tell an end no better.
       if (outside && std::abs(place(outside->z(index_)) - place(inside.z(index_))) < narrow)
@@ -140,7 +145,16 @@ class OneSide {
                    : std::nullopt;
   }
 
+  /// Where a profile falls on its way out, kinks of chi^2 have hidden valleys from it.
+  double no_nearer_than_covariance(double end, double limit) const {
+    const double first = place(inside_.z(index_)), border = place(limit);
+    const double direction = border > first ? 1 : -1;
+    const double way = std::max(direction * (place(end) - first), std::sqrt(level_ - inside_.chi2) * sd_);
+    return from_place(first + direction * std::min(way, direction * (border - first)));
+  }
+
   static constexpr int kMostPoints = 12;
+  static constexpr double kBend = 0.05;  ///< of the height: more than integration and descents leave open
 
   double target() const { return std::sqrt(level_ - lowest_); }
   double height(double chi2) const { return std::sqrt(std::max(0.0, chi2 - lowest_)) - target(); }
@@ -173,6 +187,7 @@ class OneSide {
   const Transform& axis_;
   bool by_value_;
   double lowest_, level_, sd_ = 1;
+  bool bent_ = false;      ///< the profile fell on its way out
   std::size_t known_ = 0;  ///< points of the side that was looked at before
   Eigen::VectorXd along_;
 };

@@ -35,7 +35,7 @@ TEST(Profile, AFitHeldAtAnEndRisesByTheLevelWhateverElseIsUncertain) {
   const FitResult fit = estimate(problem, {});
   for (const ParameterEstimate& p : fit.parameters)
     for (const double end : {p.profile_ci95.low, p.profile_ci95.high})
-      EXPECT_NEAR(chi2_with(problem, p.parameter, end) - fit.chi2, p.profile_level, 0.15 * p.profile_level)
+      EXPECT_NEAR(chi2_with(problem, p.parameter, end) - fit.chi2, p.profile_level, 0.08 * p.profile_level)
           << to_string(p.parameter) << " = " << end;
 }
 
