@@ -125,8 +125,11 @@ def _plain(value: Any) -> Any:
 
 
 def _released(work: Callable[[Callable[[str, int, int], None]], Any], progress: Any) -> Any:
+    # Waits for an event and not for the thread: a join() that Ctrl-C interrupts takes a running thread for ended
+    # (Python 3.11), and the interpreter is then taken down under it.
     told: list[tuple[str, int, int]] = []
     stop = threading.Event()
+    over = threading.Event()
     ended: dict[str, Any] = {}
 
     def tell(stage: str, done: int, total: int) -> None:
@@ -139,19 +142,20 @@ def _released(work: Callable[[Callable[[str, int, int], None]], Any], progress: 
             ended["result"] = work(tell)
         except BaseException as error:
             ended["error"] = error
+        over.set()
 
-    thread = threading.Thread(target=run)
-    thread.start()
+    threading.Thread(target=run).start()
     try:
-        while thread.is_alive():
-            thread.join(0.05)
+        running = True
+        while running:
+            running = not over.wait(0.05)
             while told:
                 if progress is not None:
                     progress(*told[0])
                 del told[0]
     except BaseException:
         stop.set()
-        thread.join(0.1)
+        over.wait(0.1)
         raise
     if "error" in ended:
         raise ended["error"]

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 import unittest
@@ -65,6 +67,18 @@ class Released(unittest.TestCase):
                     self.fail("the work was over before it could be interrupted")
                 self.assertLess(time.monotonic() - pressed[0], 0.5)
                 self.assertEqual(tribotrack.simulate(cycles=1)["cycles"], 1)
+
+    def test_the_interpreter_ends_after_the_work_that_ctrl_c_left(self):
+        script = """
+import os, signal, threading, time
+from tribotrack._calling import _released
+signal.signal(signal.SIGINT, signal.default_int_handler)
+threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+_released(lambda tell: (time.sleep(1), print("over")), None)
+"""
+        ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+        self.assertIn("KeyboardInterrupt", ended.stderr)
+        self.assertEqual(ended.stdout, "over\n")
 
     def test_what_progress_raises_ends_the_work(self):
         class Enough(Exception):
