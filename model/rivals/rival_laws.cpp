@@ -37,17 +37,25 @@ class Equation {
     if (!std::isfinite(all) || !(law.stribeck > -1) || (too_long && width > 0))
       throw InvalidParameter("a rival law of friction is out of range: stribeck = " +
                              std::to_string(law.stribeck) + ", rise = " + std::to_string(law.rise) + " s");
+    for (const bool open : {false, true}) {
+      open_ = open;
+      if (deceleration(0, speed_).value < 0)
+        throw InvalidParameter("a rival law of friction pushes the part: viscous = " +
+                               std::to_string(law.viscous) +
+                               " 1/s, mu2_speed = " + std::to_string(law.mu2_speed));
+    }
     if (!(s_.end_time() * w < kTurn * kMaxTurns))
       throw InvalidParameter("a rival friction law needs too many steps");
     const Eigen::Vector2d ahead = s_.drive.acceleration(0), behind = s_.drive.acceleration(std::numbers::pi);
     pull_ = 0.5 * (ahead + behind);
     by_cos_ = ahead - pull_;
     by_sin_ = s_.drive.acceleration(0.5 * std::numbers::pi) - pull_;
+    start_ = std::remainder(s_.start_phase, kTurn);
     first_edge_ = std::remainder(s_.friction.phase + s_.friction.lag, kTurn) - 0.5 * w * law.rise;
   }
 
   Pull drive(double t) const {
-    const double w = s_.drive.angular_frequency, wt = s_.start_phase + w * t, c = std::cos(wt),
+    const double w = s_.drive.angular_frequency, wt = start_ + w * t, c = std::cos(wt),
                  s = std::sin(wt);
     return {pull_ + c * by_cos_ + s * by_sin_, w * (c * by_sin_ - s * by_cos_)};
   }
@@ -74,7 +82,7 @@ class Equation {
   /// The segment between two stations that holds `middle` is the one that all of the following ask about.
   void enter(double middle) {
     const double w = s_.drive.angular_frequency, width = s_.friction.pulse_width;
-    const double at_middle = s_.start_phase + w * middle - first_edge_;
+    const double at_middle = start_ + w * middle - first_edge_;
     const double into = at_middle - kTurn * std::floor(at_middle / kTurn);
     open_ = into < width;
     const double since = (into - (open_ ? 0 : width)) / w;  // its edge
@@ -87,8 +95,8 @@ class Equation {
     const double w = s_.drive.angular_frequency, end = s_.end_time();
     const double opens = first_edge_, closes = opens + s_.friction.pulse_width;
     for (const double edge : {opens, opens + law_.rise * w, closes, closes + law_.rise * w})
-      for (double n = std::floor((s_.start_phase - edge) / kTurn);; ++n) {
-        const double t = (edge + n * kTurn - s_.start_phase) / w;
+      for (double n = std::floor((start_ - edge) / kTurn);; ++n) {
+        const double t = (edge + n * kTurn - start_) / w;
         if (t >= end) break;
         if (t > 0) times.push_back(t);
       }
@@ -114,7 +122,7 @@ class Equation {
   const Scenario& s_;
   RivalLaw law_;
   double speed_ = 0;                        ///< m/s, of the platform
-  double first_edge_ = 0;                   ///< wt at which a first ramp begins
+  double first_edge_ = 0, start_ = 0;       ///< wt at which a first ramp begins, and the run; of its turn
   Eigen::Vector2d pull_, by_cos_, by_sin_;  ///< m/s^2
   // Of the segment: mu2's; mu goes from one to the other, from when on, s.
   bool open_ = false, on_ramp_ = false;
