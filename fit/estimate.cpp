@@ -162,6 +162,8 @@ void Estimation::find_minimum() {
     residuals_ = there;
     minimum_ = other;
   }
+  if (residuals_.p_value(minimum_.chi2) < kSurprise)
+    minimum_ = search_elsewhere(residuals_, minimum_, search_, options_.threads);
   if (std::any_of(problem_.summary_runs.begin(), problem_.summary_runs.end(),
                   [](const SummaryRun& run) { return !run.own.parameters.empty(); })) {
     const Eigen::VectorXd values = unknowns_.values(minimum_.z);

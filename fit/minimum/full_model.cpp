@@ -160,6 +160,13 @@ Place beyond_kinks(Place best) {
 
 }  // namespace
 
+Minimum descend_in_full(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
+  Place place = full_at(residuals, z, Residuals::Laws::anew);
+  if (!place.minimum.at.empty()) settle(place, options, true);
+  residuals = std::move(place.residuals);
+  return place.minimum;
+}
+
 Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
   if (!residuals.linear_in_conditions()) return minimise(residuals, z, options);
   constexpr int kMostTimes = 2;
@@ -198,8 +205,8 @@ Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z, cons
     if (places.size() > 1 &&
         !(best.minimum.distance(residuals.unknowns(), places[1].minimum.z) < kNear * kNear))
       take(places[1]);
-    Place beyond = beyond_kinks(best);
-    if (lower(beyond, best)) take(std::move(beyond));
+    const Place beyond = beyond_kinks(best);
+    if (lower(beyond, best)) take(full_at(residuals, beyond.minimum.z, Residuals::Laws::anew));
   }
   residuals = best.residuals;
   best.minimum.far_from_linear = !kept;

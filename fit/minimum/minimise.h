@@ -46,6 +46,10 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start,
 Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z,
                             const MinimiseOptions& options = {});
 
+/// From `z` itself, without the linear problem's help: quicker, and elsewhere. chi^2 is infinite where there
+/// is no motion at `z`.
+Minimum descend_in_full(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options = {});
+
 /// With Minimum::at, where it has none.
 Minimum linearised(const Residuals& residuals, Minimum minimum);
 

@@ -26,16 +26,6 @@ constexpr double kTolerance = 1e-4;   ///< of the velocity at each step: 99 of 1
 constexpr double kAccuracy = 0.01;
 constexpr std::size_t kAngles = 64;  ///< of a turn: a polynomial of second order has at most two minima
 
-/// The k-th number of van der Corput's sequence.
-double halton(int k, int base) {
-  double value = 0, digit = 1;
-  for (; k > 0; k /= base) {
-    digit /= base;
-    value += digit * (k % base);
-  }
-  return value;
-}
-
 double between(double low, double high, double u) {
   return low * std::pow(high / low, u);
 }
@@ -287,6 +277,15 @@ void keep_representative(std::vector<SummaryRun>& runs, std::size_t most) {
   std::vector<SummaryRun> kept;
   for (const std::size_t i : representative(scenarios, most)) kept.push_back(runs[i]);
   runs = std::move(kept);
+}
+
+double halton(int k, int base) {
+  double value = 0, digit = 1;
+  for (; k > 0; k /= base) {
+    digit /= base;
+    value += digit * (k % base);
+  }
+  return value;
 }
 
 double refinable(const Residuals& residuals) {

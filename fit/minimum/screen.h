@@ -23,6 +23,9 @@ struct ScreenedPoint {
 /// chi^2 is a lower bound.
 std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads, std::size_t first);
 
+/// The k-th number of van der Corput's sequence, in (0, 1) for k > 0.
+double halton(int k, int base);
+
 /// So many of them: one of every pulse width and drive first, then evenly over the others. The rest leave.
 void keep_representative(std::vector<SummaryRun>& runs, std::size_t most);
 
