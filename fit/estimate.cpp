@@ -148,16 +148,23 @@ void Estimation::find_minimum() {
   result_.starts_screened = static_cast<int>(search_.sample.size());
   result_.starts = search_.starts;
   result_.starts_at_best = search_.at_best;
+  // Linear in the conditions the search may have taken them to where there is no motion.
+  const auto start = [&](Residuals& there, const Minimum& minimum) {
+    if (there.linearise(unknowns_.values(minimum.z))) return minimum.z;
+    const Eigen::VectorXd z = conditions_as_known(unknowns_, minimum.z);
+    there.linearise(unknowns_.values(z));
+    return z;
+  };
+  const Eigen::VectorXd first = start(residuals_, search_.minima.front());
   // Own errors move the displacement by as much as these friction parameters make of them.
-  residuals_.set_own_errors(unknowns_.values(search_.minima.front().z));
-  residuals_.linearise(unknowns_.values(search_.minima.front().z));
-  minimum_ = minimise_linearised(residuals_, search_.minima.front().z);
+  residuals_.set_own_errors(unknowns_.values(first));
+  minimum_ = minimise_linearised(residuals_, first);
   // Linear in the conditions the search may take another for the lowest: near the threshold of sliding they
   // are not.
   const auto near = std::min(search_.minima.size(), minimum_.far_from_linear ? kRefined : 1);
   for (std::size_t i = 1; i < near; ++i) {
     Residuals there = residuals_;
-    const Minimum other = minimise_linearised(there, search_.minima[i].z);
+    const Minimum other = minimise_linearised(there, start(there, search_.minima[i]));
     if (!(other.chi2 < minimum_.chi2) || !admissible(unknowns_, other.z)) continue;
     residuals_ = there;
     minimum_ = other;

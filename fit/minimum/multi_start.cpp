@@ -36,6 +36,13 @@ bool admissible(const Unknowns& unknowns, const Eigen::VectorXd& z) {
          unknowns.value_of(FitParameter::mu2, values) <= unknowns.value_of(FitParameter::mu1, values);
 }
 
+Eigen::VectorXd conditions_as_known(const Unknowns& unknowns, const Eigen::VectorXd& z) {
+  Eigen::VectorXd values = unknowns.values(z);
+  for (const Eigen::Index i : linear_unknowns(unknowns, true))
+    if (const auto known = unknowns.prior(i)) values(i) = known->mean;
+  return unknowns.z(values);
+}
+
 Eigen::VectorXd fold_lag(const Unknowns& unknowns, Eigen::VectorXd z) {
   if (const auto lag = unknowns.find(FitParameter::lag)) z(*lag) = model::wrap_angle(z(*lag));
   return z;

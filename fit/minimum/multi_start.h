@@ -36,6 +36,9 @@ bool same(const Unknowns& unknowns, const Minimum& a, const Minimum& b, double s
 /// Pulses lower friction: mu2 <= mu1.
 bool admissible(const Unknowns& unknowns, const Eigen::VectorXd& z);
 
+/// With the conditions at the means of their priors.
+Eigen::VectorXd conditions_as_known(const Unknowns& unknowns, const Eigen::VectorXd& z);
+
 /// The lag brought into (-pi, pi].
 Eigen::VectorXd fold_lag(const Unknowns& unknowns, Eigen::VectorXd z);
 
