@@ -201,13 +201,13 @@ Eigen::VectorXd elsewhere(const Unknowns& unknowns, Eigen::VectorXd values, int 
 }  // namespace
 
 Minimum search_elsewhere(Residuals& residuals, const Minimum& best, const Search& search, int threads) {
-  constexpr std::size_t kDescents = 24, kWhole = 3;
+  constexpr std::size_t kDescents = 16, kWhole = 3;
   const Unknowns& unknowns = residuals.unknowns();
   const std::size_t runs = std::max(kRunsToSearch, unknowns.problem().summary_runs.size());
   const auto points = basins(unknowns, search.sample, refinable(residuals));
   if (points.empty() || !residuals.linear_in_conditions()) return best;
   MinimiseOptions few_steps;
-  few_steps.full_steps = 10;
+  few_steps.full_steps = 6;
   std::vector<Minimum> ends(kDescents * kRunsToSearch / runs);
   parallel_for(ends.size(), threads, [&](std::size_t k) {
     Residuals there = residuals;

@@ -22,7 +22,7 @@ struct Search {
 /// mu1, a pulse that raises friction, does not count unless there is no other.
 Search multi_start(const Residuals& residuals, const FitOptions& options);
 
-/// Where data reject the minimum that the search led to: 24 short descents (fewer with more than 24 runs) in
+/// Where data reject the minimum that the search led to: 16 short descents (fewer with more than 24 runs) in
 /// the full model from the basins it screened, each under other conditions, up to 3 sd from what is known of them, then the best of these
 /// whole. The lower of `best` and what they end in, with `residuals` linearised there. The search itself has
 /// the conditions near what is known, and displacements linear in them; where both are wrong and errors are
