@@ -90,6 +90,13 @@ class Estimation {
   std::vector<ExplainedProblem> explanations() const {
     return internal::explanations(residuals_, minimum_, rejected() || options_.rivals, options_.threads);
   }
+  /// Descends from where fits under explanations ended. True where that is lower than the minimum found,
+  /// which was but another valley.
+  bool lower_from(const std::vector<Eigen::VectorXd>& values);
+  /// The values where this fit ended, of the unknowns of another to the same runs.
+  Eigen::VectorXd values_for(const Estimation& other) const {
+    return other.unknowns_.values_of(unknowns_, unknowns_.values(minimum_.z));
+  }
   /// By chance in one of a thousand; the scatter of repeated runs is none of the model's.
   bool rejected() const { return p_value_ < kSurprise; }
   double chi2() const { return minimum_.chi2; }
@@ -188,6 +195,25 @@ void Estimation::find_minimum() {
   result_.noise_dof = residuals_.noise_degrees_of_freedom();
   state_chi2(minimum_.chi2);
   result_.conditions = static_cast<int>(unknowns_.common() - unknowns_.reported());
+}
+
+bool Estimation::lower_from(const std::vector<Eigen::VectorXd>& values) {
+  constexpr double kLower = 1;  ///< of chi^2: less changes no verdict
+  bool lower = false;
+  for (const Eigen::VectorXd& from : values) {
+    Residuals there = residuals_;
+    if (any(residuals_.excess_variance()) || !there.linear_in_conditions() || !there.linearise(from))
+      continue;
+    const Minimum other = minimise_linearised(there, unknowns_.z(from));
+    if (!(other.chi2 < minimum_.chi2 - kLower) || !admissible(unknowns_, other.z)) continue;
+    residuals_ = there;
+    minimum_ = other;
+    lower = true;
+  }
+  if (!lower) return false;
+  state_chi2(minimum_.chi2);
+  test_residuals();
+  return true;
 }
 
 /// Before any scatter.
@@ -455,19 +481,30 @@ FitResult estimate(const Problem& given, const FitOptions& wanted) {
   fit.test_residuals();
   // Driven tracks are explained once their correlated errors are known.
   if (problem.has_driven_tracks()) fit.explain_excess_variance();
-  std::vector<ExplainedProblem> list = fit.explanations();
+  std::vector<ExplainedProblem> list;
   std::optional<Quoted> quoted;
+  const bool squares = options.loss == Loss::squares;  // robust weights are an answer of their own
+  constexpr int kMostTimes = 3;
+  bool again = true;
+  for (int k = 0; again && k < kMostTimes; ++k) {
+    std::vector<Eigen::VectorXd> ends;
+    list = fit.explanations();
+    for (const ExplainedProblem& explanation : list)
+      if (explanation.values.size() > 0) ends.push_back(explanation.values);
+    quoted.reset();
+    if (fit.rejected() && squares)
+      quoted = explained(problem, fit.chi2(), list, fit.outliers(), [&](const Problem& next) {
+        Estimation there(next, options);
+        there.find_minimum();
+        ends.push_back(there.values_for(fit));
+        const FitResult result = there.assumed();
+        return Refit{result.chi2, result.p_value, result.as_assumed,
+                     result.p_value > kExplained ? std::vector<ExplainedProblem>{} : there.explanations()};
+      });
+    again = k + 1 < kMostTimes && fit.rejected() && fit.lower_from(ends);
+  }
   FitOptions nearby;
   std::optional<Estimation> under;
-  const bool squares = options.loss == Loss::squares;  // robust weights are an answer of their own
-  if (fit.rejected() && squares)
-    quoted = explained(problem, fit.chi2(), list, fit.outliers(), [&](const Problem& next) {
-      Estimation there(next, options);
-      there.find_minimum();
-      const FitResult result = there.assumed();
-      return Refit{result.chi2, result.p_value, result.as_assumed,
-                   result.p_value > kExplained ? std::vector<ExplainedProblem>{} : there.explanations()};
-    });
   FitResult result;
   if (quoted) {
     const FitResult assumed = fit.assumed();

@@ -30,7 +30,7 @@ struct RivalLaw {
 /// integrate(). Throws InvalidParameter for a Stribeck strength of -1 and below, which makes friction
 /// negative at rest, for a rise longer than the pulse or the pause, for a start other than rest, and where
 /// too many steps are needed. Viscous friction of negative strength, which a fit may try, is taken as it
-/// stands.
+/// stands, unless at the speed A w friction as a whole were negative: it would push the part.
 Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance = 1e-9);
 
 }  // namespace tribotrack::model

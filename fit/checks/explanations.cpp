@@ -163,8 +163,9 @@ class ScoreTests {
     return std::pair(found, *scatter);
   }
 
-  /// The fit in another problem of the same runs, from here.
-  void refit(const Problem& problem, const Candidate* candidate, Explanation& found) const {
+  /// The fit in another problem of the same runs, from here. Where it ends, for this one's unknowns; empty
+  /// where it fails.
+  Eigen::VectorXd refit(const Problem& problem, const Candidate* candidate, Explanation& found) const {
     constexpr int kMostSteps = 12;
     constexpr double kShare = 1e-5;  ///< of chi^2 that rejects the fit: what is left of it at a kink
     const Unknowns unknowns(problem);
@@ -179,14 +180,15 @@ class ScoreTests {
             {.held = {}, .decrement = std::max(1e-4, kShare * best_.chi2), .full_steps = kMostSteps}));
     if (!minimum.converged || minimum.at.empty() || minimum.chi2 > best_.chi2 ||
         !admissible(unknowns, minimum.z))
-      return;
+      return {};
     const Eigen::VectorXd values = unknowns.values(minimum.z);
     const Eigen::MatrixXd covariance = uncertainty(unknowns, values, minimum.at).shared;
     found.refitted = true;
     if (found.name != "run_scatter") found.chi2_fall = best_.chi2 - minimum.chi2;
     found.p_after = residuals_.p_value(minimum.chi2, found.dof);
     found.parameters = estimates_under(unknowns, values, covariance);
-    if (candidate == nullptr) return;
+    const Eigen::VectorXd here = unknowns_.values_of(unknowns, values);
+    if (candidate == nullptr) return here;
     double square = 0, variance = 0, sum = 0;
     for (const FitParameter quantity : candidate->quantities) {
       const Eigen::Index i = *unknowns.find(quantity);
@@ -198,6 +200,7 @@ class ScoreTests {
     if (candidate->never_negative && sum < 0) found.chi2_fall = 0;
     tell_size(*candidate, candidate->quantities.size() == 1 ? sum : std::sqrt(square),
               std::sqrt(variance / std::max(square, 1e-300)), found);
+    return here;
   }
 
  private:
@@ -310,6 +313,7 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
     Explanation found;
     std::function<Problem()> problem;
     const Candidate* candidate;
+    Eigen::VectorXd values = {};
   };
   std::vector<Tested> list;
   for (const Candidate& candidate : candidates())
@@ -348,7 +352,7 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
     const double most = list.empty() ? 0 : gain(list.front().found, runs);
     for (std::size_t i = 0; i < std::min(list.size(), kMostFits); ++i)
       if (gain(list[i].found, runs) > std::max(9.0, kWorthAFit * most))
-        tests.refit(list[i].problem(), list[i].candidate, list[i].found);
+        list[i].values = tests.refit(list[i].problem(), list[i].candidate, list[i].found);
     std::stable_sort(list.begin(), list.end(), better);
   }
   const double of_slides = independent_points(residuals, best);
@@ -360,7 +364,7 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
     if (found.explains && of_slides > 0)
       found.explains =
           of_slides * std::log(best.chi2 / (best.chi2 - found.chi2_fall)) > kPreferred + 2 * found.dof;
-    result.push_back({found, found.refitted ? tested.problem() : Problem{}});
+    result.push_back({found, found.refitted ? tested.problem() : Problem{}, tested.values});
   }
   return result;
 }

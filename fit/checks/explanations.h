@@ -23,6 +23,7 @@ namespace tribotrack::fit::internal {
 struct ExplainedProblem {
   Explanation found;
   Problem problem;
+  Eigen::VectorXd values;  ///< where its refit ended, of the unknowns of the fit it explains; else empty
 };
 
 /// Best first. `rejected`: those that are near the best are refitted. `best` is the minimum of residuals

@@ -40,9 +40,9 @@ class Equation {
     for (const bool open : {false, true}) {
       open_ = open;
       if (deceleration(0, speed_).value < 0)
-        throw InvalidParameter("a rival law of friction pushes the part: viscous = " +
-                               std::to_string(law.viscous) +
-                               " 1/s, mu2_speed = " + std::to_string(law.mu2_speed));
+        throw InvalidParameter(
+            "a rival law of friction pushes the part: viscous = " + std::to_string(law.viscous) +
+            " 1/s, mu2_speed = " + std::to_string(law.mu2_speed));
     }
     if (!(s_.end_time() * w < kTurn * kMaxTurns))
       throw InvalidParameter("a rival friction law needs too many steps");
@@ -55,8 +55,7 @@ class Equation {
   }
 
   Pull drive(double t) const {
-    const double w = s_.drive.angular_frequency, wt = start_ + w * t, c = std::cos(wt),
-                 s = std::sin(wt);
+    const double w = s_.drive.angular_frequency, wt = start_ + w * t, c = std::cos(wt), s = std::sin(wt);
     return {pull_ + c * by_cos_ + s * by_sin_, w * (c * by_sin_ - s * by_cos_)};
   }
   /// At the t of the segment.

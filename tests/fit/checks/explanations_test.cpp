@@ -204,6 +204,27 @@ TEST(Explanations, AConditionWithAnSdExplainsItself) {
   EXPECT_NEAR(beyond.explanations.front().size, 1e-3, 2e-4);
 }
 
+// Displacements are linear in the conditions near what is known of them alone: with small errors a search
+// that rests on it ends in another valley.
+TEST(Explanations, ConditionsFarFromWhatIsKnownAreFound) {
+  const std::vector<Condition> conditions = {{FitParameter::tilt_x, 2e-3, "level"},
+                                             {FitParameter::tilt_y, 2e-3, "level"},
+                                             {FitParameter::amplitude_ratio, 0.01, "typed"},
+                                             {FitParameter::phase_shift, 0.0175, "typed"},
+                                             {FitParameter::viscous, 1, "law"},
+                                             {FitParameter::stribeck, 0.1, "law"}};
+  for (unsigned seed = 30; seed < 38; ++seed) {
+    const double turn = seed;
+    const Laboratory lab{.mu1 = 0.07 + 0.005 * (seed % 4),
+                         .lag = -0.2,
+                         .tilt_x = 8e-3 * std::cos(turn),
+                         .tilt_y = 8e-3 * std::sin(turn)};
+    const FitResult result = fitted(lab, seed, conditions);
+    EXPECT_GT(result.p_value, 1e-3) << result.full_report();
+    EXPECT_NEAR(result.value(FitParameter::mu1), lab.mu1, 4 * result.parameters[0].sd);
+  }
+}
+
 // To first order, without a refit: by how much the truth lies beside what is known to an sd, with its sign.
 TEST(Explanations, TheSizeOfAConditionHasTheSignOfItsChange) {
   for (const double off : {0.01, -0.01}) {

@@ -33,6 +33,17 @@ TEST(RivalLaws, PartsThatCreepAndPhasesFarAwayComeToAnEnd) {
   Scenario far;
   far.friction = {0.1, 0.01, 0.4, 1.3, 1e20};
   EXPECT_TRUE(rival_displacement(far, {}).allFinite());
+  far.friction.lag = 0.2;
+  far.start_phase = 1e37;
+  EXPECT_TRUE(rival_displacement(far, {}).allFinite());
+}
+
+TEST(RivalLaws, FrictionThatPushesIsRefused) {
+  Scenario scenario;  // A w = 0.0176 m/s
+  scenario.friction = {0.1, 0.0125, 0.4, 1.3, 0.2};
+  EXPECT_NO_THROW(rival_displacement(scenario, {.viscous = -6}));  // of 7.0 that leave nothing of mu2 g
+  EXPECT_THROW(rival_displacement(scenario, {.viscous = -8}), InvalidParameter);
+  EXPECT_THROW(rival_displacement(scenario, {.mu2_speed = -1.1}), InvalidParameter);
 }
 
 // A short rise about the edge changes nothing to first order.

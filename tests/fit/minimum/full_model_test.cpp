@@ -1,0 +1,53 @@
+// The minimum of the full model: what it says of itself, wherever the search for it passed.
+#include <gtest/gtest.h>
+
+#include "fit/campaign.h"
+#include "fit/minimum/minimise.h"
+#include "model/rival_laws.h"
+
+namespace tribotrack::fit::internal {
+namespace {
+
+// Under a law that counts far more than is known of it the laws' effect is all but linear.
+Problem strong_stribeck() {
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (const model::Scenario& truth : test::fourteen({0.105, 0.04, -0.08})) {
+    SummaryRun run;
+    run.scenario = truth;
+    run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;
+    run.scenario.friction.lag = 0;
+    const Eigen::Vector2d moved = rival_displacement(truth, {.stribeck = 0.45});
+    const double v = moved.norm() / truth.end_time();
+    run.measured = displacement_from_alpha_v({std::atan2(moved.y(), moved.x()), 0.005}, {v, 0.005 * v},
+                                             truth.drive.angular_frequency, 20);
+    problem.summary_runs.push_back(run);
+  }
+  problem.conditions = {
+      {FitParameter::tilt_x, 0.002, "test"},    {FitParameter::tilt_y, 0.002, "test"},
+      {FitParameter::stribeck, 0.1, "test"},    {FitParameter::viscous, 1, "test"},
+      {FitParameter::gate_edges, 0.01, "test"}, {FitParameter::amplitude_ratio, 0.01, "test"}};
+  return problem;
+}
+
+TEST(FullModel, Chi2IsThatOfTheModelWhereItEnds) {
+  const Problem problem = strong_stribeck();
+  const Unknowns unknowns(problem);
+  for (const double mu1 : {0.09, 0.105, 0.12})
+    for (const double mu2 : {0.03, 0.06}) {
+      Residuals residuals(unknowns);
+      residuals.set_tolerance(1e-9);
+      Eigen::VectorXd start = unknowns.first_guess();
+      start(0) = mu1, start(1) = mu2, start(2) = -0.1;
+      ASSERT_TRUE(residuals.linearise(start));
+      const Minimum minimum = minimise_linearised(residuals, unknowns.z(start));
+      Residuals anew(unknowns);
+      anew.set_tolerance(1e-9);
+      const Eigen::VectorXd there = unknowns.values(minimum.z);
+      ASSERT_TRUE(anew.linearise(there));
+      EXPECT_NEAR(anew.chi2(there), minimum.chi2, 1e-3 + 1e-3 * minimum.chi2) << mu1 << ", " << mu2;
+    }
+}
+
+}  // namespace
+}  // namespace tribotrack::fit::internal
