@@ -198,14 +198,14 @@ void Estimation::find_minimum() {
 }
 
 bool Estimation::lower_from(const std::vector<Eigen::VectorXd>& values) {
-  constexpr double kLower = 1;  ///< of chi^2: less changes no verdict
+  constexpr double kLower = 0.5;  ///< of chi^2: less of a fall changes no verdict, and costs all of it again
   bool lower = false;
   for (const Eigen::VectorXd& from : values) {
     Residuals there = residuals_;
     if (any(residuals_.excess_variance()) || !there.linear_in_conditions() || !there.linearise(from))
       continue;
     const Minimum other = minimise_linearised(there, unknowns_.z(from));
-    if (!(other.chi2 < minimum_.chi2 - kLower) || !admissible(unknowns_, other.z)) continue;
+    if (!(other.chi2 < kLower * minimum_.chi2) || !admissible(unknowns_, other.z)) continue;
     residuals_ = there;
     minimum_ = other;
     lower = true;
@@ -484,7 +484,7 @@ FitResult estimate(const Problem& given, const FitOptions& wanted) {
   std::vector<ExplainedProblem> list;
   std::optional<Quoted> quoted;
   const bool squares = options.loss == Loss::squares;  // robust weights are an answer of their own
-  constexpr int kMostTimes = 3;
+  constexpr int kMostTimes = 2;
   bool again = true;
   for (int k = 0; again && k < kMostTimes; ++k) {
     std::vector<Eigen::VectorXd> ends;
