@@ -130,6 +130,7 @@ class Estimation {
   Residuals residuals_;
   FitResult result_;
   Search search_;
+  std::size_t led_here_ = 0;  ///< of search_.minima, to minimum_
   Minimum minimum_;
   double p_value_ = 1;  ///< with the scatter of repeated runs
   double excess_ = 1;   ///< chi^2/dof before any scatter was estimated
@@ -175,6 +176,7 @@ void Estimation::find_minimum() {
     if (!(other.chi2 < minimum_.chi2) || !admissible(unknowns_, other.z)) continue;
     residuals_ = there;
     minimum_ = other;
+    led_here_ = i;
   }
   if (residuals_.p_value(minimum_.chi2) < kSurprise)
     minimum_ = search_elsewhere(residuals_, minimum_, search_, options_.threads);
@@ -299,7 +301,8 @@ void Estimation::find_other_minima() {
   if (search_.minima.size() < 2 || (rejected() && residuals_.linear_in_conditions())) return;
   const double lowest = search_.minima.front().chi2, excess = residuals_.excess(best_.chi2);
   std::size_t best = 0, refined = 1;
-  for (std::size_t i = 1; i < search_.minima.size() && refined < kRefined; ++i) {
+  for (std::size_t i = 0; i < search_.minima.size() && refined < kRefined; ++i) {
+    if (i == led_here_) continue;
     const Minimum& rough = search_.minima[i];
     if (rough.chi2 - lowest > 2 * kNearMinimum * excess_) continue;
     Residuals there = residuals_;
