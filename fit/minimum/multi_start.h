@@ -23,10 +23,10 @@ struct Search {
 Search multi_start(const Residuals& residuals, const FitOptions& options);
 
 /// Where data reject the minimum that the search led to: 16 short descents (fewer with more than 24 runs) in
-/// the full model from the basins it screened, each under other conditions, up to 3 sd from what is known of them, then the best of these
-/// whole. The lower of `best` and what they end in, with `residuals` linearised there. The search itself has
-/// the conditions near what is known, and displacements linear in them; where both are wrong and errors are
-/// small it ends in a valley from which no descent leads out.
+/// the full model from the basins it screened, each under other conditions, up to 3 sd from what is known of
+/// them, then the best of these whole. The lower of `best` and what they end in, with `residuals` linearised
+/// there. The search itself has the conditions near what is known, and displacements linear in them; where
+/// both are wrong and errors are small it ends in a valley from which no descent leads out.
 Minimum search_elsewhere(Residuals& residuals, const Minimum& best, const Search& search, int threads);
 
 /// Within half a standard deviation of each other; standard deviations widened by the residuals (`spread` =
