@@ -33,9 +33,6 @@ using namespace internal;
 constexpr double kFine = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Minima of the search that are looked at in the full model where it decides which is the lowest.
-constexpr std::size_t kRefined = 4;
-
 /// Of chi^2, beyond what a kink leaves of it: own errors that move the minimum by more have it found again.
 constexpr double kMoved = 1e-10;
 
@@ -156,30 +153,9 @@ void Estimation::find_minimum() {
   result_.starts_screened = static_cast<int>(search_.sample.size());
   result_.starts = search_.starts;
   result_.starts_at_best = search_.at_best;
-  // Linear in the conditions the search may have taken them to where there is no motion.
-  const auto start = [&](Residuals& there, const Minimum& minimum) {
-    if (there.linearise(unknowns_.values(minimum.z))) return minimum.z;
-    const Eigen::VectorXd z = conditions_as_known(unknowns_, minimum.z);
-    there.linearise(unknowns_.values(z));
-    return z;
-  };
-  const Eigen::VectorXd first = start(residuals_, search_.minima.front());
-  // Own errors move the displacement by as much as these friction parameters make of them.
-  residuals_.set_own_errors(unknowns_.values(first));
-  minimum_ = minimise_linearised(residuals_, first);
-  // Linear in the conditions the search may take another for the lowest: near the threshold of sliding they
-  // are not.
-  const auto near = std::min(search_.minima.size(), minimum_.far_from_linear ? kRefined : 1);
-  for (std::size_t i = 1; i < near; ++i) {
-    Residuals there = residuals_;
-    const Minimum other = minimise_linearised(there, start(there, search_.minima[i]));
-    if (!(other.chi2 < minimum_.chi2) || !admissible(unknowns_, other.z)) continue;
-    residuals_ = there;
-    minimum_ = other;
-    led_here_ = i;
-  }
-  if (residuals_.p_value(minimum_.chi2) < kSurprise)
-    minimum_ = search_elsewhere(residuals_, minimum_, search_, options_.threads);
+  const Lowest lowest = lowest_minimum(residuals_, search_, options_.threads);
+  minimum_ = lowest.minimum;
+  led_here_ = lowest.from;
   if (std::any_of(problem_.summary_runs.begin(), problem_.summary_runs.end(),
                   [](const SummaryRun& run) { return !run.own.parameters.empty(); })) {
     const Eigen::VectorXd values = unknowns_.values(minimum_.z);
@@ -200,14 +176,17 @@ void Estimation::find_minimum() {
 }
 
 bool Estimation::lower_from(const std::vector<Eigen::VectorXd>& values) {
-  constexpr double kLower = 0.5;  ///< of chi^2: less of a fall changes no verdict, and costs all of it again
+  constexpr double kLower =
+      0.5;  ///< of chi^2: less of a fall is not worth explaining again, if rejected still
   bool lower = false;
   for (const Eigen::VectorXd& from : values) {
     Residuals there = residuals_;
     if (any(residuals_.excess_variance()) || !there.linear_in_conditions() || !there.linearise(from))
       continue;
     const Minimum other = minimise_linearised(there, unknowns_.z(from));
-    if (!(other.chi2 < kLower * minimum_.chi2) || !admissible(unknowns_, other.z)) continue;
+    const bool still_rejected = residuals_.p_value(other.chi2) < kSurprise;
+    if (!(other.chi2 < (still_rejected ? kLower : 1) * minimum_.chi2) || !admissible(unknowns_, other.z))
+      continue;
     residuals_ = there;
     minimum_ = other;
     lower = true;

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "fit/minimum/screen.h"
-#include "fit/residuals/linear_terms.h"
 #include "fit/tools/stage_progress.h"
 #include "fit/tools/statistics.h"
 #include "model/alpha_v.h"
@@ -16,7 +15,6 @@ namespace {
 
 constexpr std::size_t kTracks = 6;  ///< basins that a fit to tracks, whose descents cost much, looks into
 constexpr double kRoughDecrement = 0.01;  ///< a tenth of a standard deviation
-constexpr std::size_t kRunsToSearch = 24;
 /// Points of the box to begin with; the latter where the lowest minimum that they lead to is rejected.
 constexpr std::size_t kPoints[] = {250, 2000};
 constexpr double kRejected = 1e-3;
@@ -34,13 +32,6 @@ bool admissible(const Unknowns& unknowns, const Eigen::VectorXd& z) {
   const Eigen::VectorXd values = unknowns.values(z);
   return !unknowns.find(FitParameter::mu2) ||
          unknowns.value_of(FitParameter::mu2, values) <= unknowns.value_of(FitParameter::mu1, values);
-}
-
-Eigen::VectorXd conditions_as_known(const Unknowns& unknowns, const Eigen::VectorXd& z) {
-  Eigen::VectorXd values = unknowns.values(z);
-  for (const Eigen::Index i : linear_unknowns(unknowns, true))
-    if (const auto known = unknowns.prior(i)) values(i) = known->mean;
-  return unknowns.z(values);
 }
 
 Eigen::VectorXd fold_lag(const Unknowns& unknowns, Eigen::VectorXd z) {
@@ -180,51 +171,6 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   search.minima = many ? of_all.found() : std::move(found);
   if (!search.minima.empty()) search.at_best = search.minima.front().descents;
   return search;
-}
-
-namespace {
-
-/// At a screened point, under conditions of which nothing but the priors is taken.
-Eigen::VectorXd elsewhere(const Unknowns& unknowns, Eigen::VectorXd values, int k) {
-  constexpr double kReach = 3;  ///< sd
-  constexpr int kBases[] = {2, 3, 5, 7, 11, 13, 17};
-  std::size_t dimension = 0;
-  for (const Eigen::Index i : linear_unknowns(unknowns, true)) {
-    const auto known = unknowns.prior(i);
-    if (!known || std::ranges::count(kLaws, unknowns.parameter(i)) > 0) continue;
-    const double u = halton(k, kBases[dimension++ % std::size(kBases)]);
-    values(i) = known->mean + (2 * u - 1) * kReach * known->sd;
-  }
-  return unknowns.z(values);
-}
-
-}  // namespace
-
-Minimum search_elsewhere(Residuals& residuals, const Minimum& best, const Search& search, int threads) {
-  constexpr std::size_t kDescents = 16, kWhole = 3;
-  const Unknowns& unknowns = residuals.unknowns();
-  const std::size_t runs = std::max(kRunsToSearch, unknowns.problem().summary_runs.size());
-  const auto points = basins(unknowns, search.sample, refinable(residuals));
-  if (points.empty() || !residuals.linear_in_conditions()) return best;
-  MinimiseOptions few_steps;
-  few_steps.full_steps = 6;
-  std::vector<Minimum> ends(kDescents * kRunsToSearch / runs);
-  parallel_for(ends.size(), threads, [&](std::size_t k) {
-    Residuals there = residuals;
-    const Eigen::VectorXd values = unknowns.values(points[k % points.size()].z);
-    ends[k] = descend_in_full(there, elsewhere(unknowns, values, static_cast<int>(k) + 1), few_steps);
-  });
-  std::erase_if(ends, [&](const Minimum& end) { return end.at.empty() || !admissible(unknowns, end.z); });
-  std::ranges::stable_sort(ends, {}, &Minimum::chi2);
-  Minimum lowest = best;
-  for (std::size_t k = 0; k < std::min(kWhole, ends.size()); ++k) {
-    Residuals there = residuals;
-    const Minimum whole = minimise_linearised(there, ends[k].z);
-    if (!(whole.chi2 < lowest.chi2) || !admissible(unknowns, whole.z)) continue;
-    lowest = whole;
-    residuals = there;
-  }
-  return lowest;
 }
 
 }  // namespace tribotrack::fit::internal

@@ -9,6 +9,11 @@
 
 namespace tribotrack::fit::internal {
 
+/// Of so many runs a search looks at all.
+inline constexpr std::size_t kRunsToSearch = 24;
+/// Minima of a search that are looked at in the full model where it decides which is the lowest.
+inline constexpr std::size_t kRefined = 4;
+
 struct Search {
   std::vector<ScreenedPoint> sample;  ///< of the whole box; empty where a single start was wanted
   std::vector<Minimum> minima;        ///< distinct, best first
@@ -22,12 +27,18 @@ struct Search {
 /// mu1, a pulse that raises friction, does not count unless there is no other.
 Search multi_start(const Residuals& residuals, const FitOptions& options);
 
-/// Where data reject the minimum that the search led to: 16 short descents (fewer with more than 24 runs) in
-/// the full model from the basins it screened, each under other conditions, up to 3 sd from what is known of
-/// them, then the best of these whole. The lower of `best` and what they end in, with `residuals` linearised
-/// there. The search itself has the conditions near what is known, and displacements linear in them; where
-/// both are wrong and errors are small it ends in a valley from which no descent leads out.
-Minimum search_elsewhere(Residuals& residuals, const Minimum& best, const Search& search, int threads);
+/// The lowest minimum of the full model that a search leads to, with `residuals` linearised there.
+struct Lowest {
+  Minimum minimum;
+  std::size_t from = 0;  ///< of Search::minima, the one that led to it
+};
+
+/// From the best minimum of the search, and from others where the full model is far from linear. Where the
+/// data reject what they lead to: 16 short descents (fewer with more than 24 runs) in the full model from the
+/// basins it screened, each under other conditions, up to 3 sd from what is known of them, then the best of
+/// these whole. For the search itself has the conditions near what is known, and displacements linear in
+/// them; where both are wrong and errors are small it ends in a valley from which no descent leads out.
+Lowest lowest_minimum(Residuals& residuals, const Search& search, int threads);
 
 /// Within half a standard deviation of each other; standard deviations widened by the residuals (`spread` =
 /// chi^2/dof).
@@ -35,9 +46,6 @@ bool same(const Unknowns& unknowns, const Minimum& a, const Minimum& b, double s
 
 /// Pulses lower friction: mu2 <= mu1.
 bool admissible(const Unknowns& unknowns, const Eigen::VectorXd& z);
-
-/// With the conditions at the means of their priors.
-Eigen::VectorXd conditions_as_known(const Unknowns& unknowns, const Eigen::VectorXd& z);
 
 /// The lag brought into (-pi, pi].
 Eigen::VectorXd fold_lag(const Unknowns& unknowns, Eigen::VectorXd z);

@@ -121,7 +121,8 @@ class Equation {
   const Scenario& s_;
   RivalLaw law_;
   double speed_ = 0;                        ///< m/s, of the platform
-  double first_edge_ = 0, start_ = 0;       ///< wt at which a first ramp begins, and the run; of its turn
+  double start_ = 0;                        ///< wt at which the run begins, within a turn
+  double first_edge_ = 0;                   ///< wt at which a first ramp begins
   Eigen::Vector2d pull_, by_cos_, by_sin_;  ///< m/s^2
   // Of the segment: mu2's; mu goes from one to the other, from when on, s.
   bool open_ = false, on_ramp_ = false;
