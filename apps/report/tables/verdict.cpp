@@ -121,7 +121,7 @@ std::vector<std::string> assumptions(const ReportData& data) {
   };
   lines.push_back(fit.quoted_under.empty()
                       ? "The paper’s friction law: μ₁, and μ₂ during the pulse."
-                      : "The paper’s friction law, with " + list_of(fit.quoted_under) + " set free.");
+                      : "The paper’s friction law. Not as described: " + list_of(fit.quoted_under) + ".");
   if (!data.exact.empty()) lines.push_back("Taken as exact: " + keys(data.exact) + ".");
   // What is said is what a parameter's uncertainty feels: a tenth of it or more.
   std::vector<std::string> defaults;
