@@ -178,7 +178,8 @@ struct SourceOptions {
 };
 
 /// Opens a Phantom .cine, anything libav decodes, a multi-page TIFF, a directory of pictures (natural sort),
-/// or a printf pattern such as "dir/%05d.png". Throws InputError. A recording whose capture rate is unknown
+/// or a printf pattern such as "dir/%05d.png". Videos and pictures are decoded in a process of their own
+/// (fork), ahead of where they are read. Throws InputError. A recording whose capture rate is unknown
 /// is opened, with an empty time_base.rate_hz and the reasons in its candidates: code that needs times must
 /// refuse it.
 std::unique_ptr<FrameSource> open_source(const std::filesystem::path& path,

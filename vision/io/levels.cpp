@@ -59,4 +59,20 @@ void store_levels(std::span<const float> levels, int bits, std::uint8_t* stored)
   }
 }
 
+void copy_stored(const StoredFrame& frame, const Rect& window, Picture& picture) {
+  const std::size_t before = static_cast<std::size_t>(window.x) * frame.bytes_per_level;
+  for (int y = 0; y < window.height; ++y) {
+    const std::uint8_t* stored = frame.first + (window.y + y) * frame.stride + before;
+    frame.bytes_per_level == 1 ? copy_levels(stored, picture.row(y)) : copy_levels_16(stored, picture.row(y));
+  }
+}
+
+void DecodedSource::read(std::int64_t index, const Rect& window, Picture& picture) {
+  prepare_window(info_, index, window, picture);
+  if (const auto frame = stored(index))
+    copy_stored(*frame, window, picture);
+  else
+    compute(window, picture);
+}
+
 }  // namespace tribotrack::vision

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,29 @@ Rect touched_pixels(double x0, double y0, double x1, double y1, const Rect& boun
 
 /// Those within `reach` px of a centre, either way.
 Rect window_about(const Point& centre, double reach, const Rect& bounds);
+
+/// A frame as a decoder leaves it: rows `stride` bytes apart, each of levels of 1 or 2 bytes.
+struct StoredFrame {
+  const std::uint8_t* first = nullptr;
+  std::ptrdiff_t stride = 0;
+  std::size_t bytes_per_level = 1;
+};
+
+/// A recording whose frames are decoded as wholes.
+class DecodedSource : public FrameSource {
+ public:
+  using FrameSource::read;
+  void read(std::int64_t index, const Rect& window, Picture& picture) override;
+  /// Decodes a frame; nothing where its levels are computed from what is stored. Valid until the next one.
+  virtual std::optional<StoredFrame> stored(std::int64_t index) = 0;
+
+ protected:
+  /// Levels of the frame that was decoded last.
+  virtual void compute(const Rect& window, Picture& picture) = 0;
+};
+
+/// The rows of a window.
+void copy_stored(const StoredFrame& frame, const Rect& window, Picture& picture);
 
 // Stored pixels to grey levels, a row at a time.
 

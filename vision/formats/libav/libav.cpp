@@ -157,13 +157,20 @@ LibavPixelForm libav_pixel_form(int format) {
   return known;
 }
 
-void copy_libav_window(const AVFrame& frame, const Rect& window, Picture& picture) {
+std::optional<StoredFrame> stored_levels(const AVFrame& frame) {
   const AVPixFmtDescriptor& form = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
   const AVComponentDescriptor& first = form.comp[0];
-  const bool big_endian = (form.flags & AV_PIX_FMT_FLAG_BE) != 0;
-  // Eight bits, or a whole 16-bit word, side by side: the row can be copied straight.
-  const bool plain_8 = first.step == 1 && first.shift == 0 && first.depth == 8;
-  const bool plain_16 = first.step == 2 && first.shift == 0 && first.depth > 8 && !big_endian;
+  // Eight bits, or a whole 16-bit word, side by side.
+  const bool plain_8 = first.step == 1 && first.depth == 8,
+             plain_16 = first.step == 2 && first.depth > 8 && !(form.flags & AV_PIX_FMT_FLAG_BE);
+  if (form.flags & (AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_RGB) || first.shift != 0 || !(plain_8 || plain_16))
+    return std::nullopt;
+  return StoredFrame{frame.data[first.plane] + first.offset, frame.linesize[first.plane],
+                     static_cast<std::size_t>(first.step)};
+}
+
+void compute_levels(const AVFrame& frame, const Rect& window, Picture& picture) {
+  const AVPixFmtDescriptor& form = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
   std::array<std::vector<std::uint16_t>, 3> parts;
   const auto read = [&](int component, int y) -> const std::vector<std::uint16_t>& {
     std::vector<std::uint16_t>& row = parts[static_cast<std::size_t>(component)];
@@ -174,18 +181,11 @@ void copy_libav_window(const AVFrame& frame, const Rect& window, Picture& pictur
   };
   for (int y = 0; y < window.height; ++y) {
     const std::span<float> levels = picture.row(y);
-    const std::uint8_t* stored = frame.data[first.plane] +
-                                 static_cast<std::ptrdiff_t>(window.y + y) * frame.linesize[first.plane] +
-                                 first.offset + static_cast<std::ptrdiff_t>(window.x) * first.step;
     if (form.flags & AV_PIX_FMT_FLAG_PAL) {
       palette_row(frame, window.x, window.y + y, levels);
     } else if (form.flags & AV_PIX_FMT_FLAG_RGB) {
       const auto &red = read(0, y), &green = read(1, y), &blue = read(2, y);
       for (std::size_t x = 0; x < levels.size(); ++x) levels[x] = luma(red[x], green[x], blue[x]);
-    } else if (plain_8) {
-      copy_levels(stored, levels);
-    } else if (plain_16) {
-      copy_levels_16(stored, levels);
     } else {
       std::ranges::copy(read(0, y), levels.begin());
     }

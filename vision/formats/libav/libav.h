@@ -20,6 +20,7 @@ extern "C" {
 
 #include "vision/frame_sink.h"
 #include "vision/frame_source.h"
+#include "vision/io/levels.h"
 #include "vision/picture.h"
 
 namespace tribotrack::vision {
@@ -29,7 +30,7 @@ namespace tribotrack::vision {
 /// All packets are listed at opening without decoding them, so that frame_count is what the file holds and
 /// frame k is the k-th shown; a file cut short is an InputError there, a damaged frame one at read(). Luma is
 /// handed out as stored, RGB as 0.299 R + 0.587 G + 0.114 B.
-std::unique_ptr<FrameSource> open_libav(const std::filesystem::path& path, const SourceOptions& options);
+std::unique_ptr<DecodedSource> open_libav(const std::filesystem::path& path, const SourceOptions& options);
 
 /// FFV1 (lossless; 8, 10 or 12 bits; .mkv or .avi), MJPEG (8 bits; .avi or .mkv), H.264 (8 bits; .mp4, .mkv).
 /// The time base is one over the frame rate, which MP4 keeps exactly. Matroska rounds timestamps to 1 ms and
@@ -149,8 +150,9 @@ struct LibavPixelForm {
 /// user where no grey level is defined (colour mosaic, hardware surfaces, floating point).
 LibavPixelForm libav_pixel_form(int format);
 
-/// The window of a decoded frame: the luma plane as stored, or luma computed from RGB.
-void copy_libav_window(const AVFrame& frame, const Rect& window, Picture& picture);
+/// The luma plane of a decoded frame; nothing where luma is computed, or unpacked.
+std::optional<StoredFrame> stored_levels(const AVFrame& frame);
+void compute_levels(const AVFrame& frame, const Rect& window, Picture& picture);
 
 // What libav tells of the coder that made a recording.
 //

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <deque>
 #include <numeric>
 #include <span>
 
@@ -47,7 +46,7 @@ const std::uint8_t* display_matrix(const AVStream& stream) {
 #endif
 }
 
-class LibavSource : public FrameSource {
+class LibavSource : public DecodedSource {
  public:
   LibavSource(const std::filesystem::path& path, const SourceOptions& options) {
     info_.path = path;
@@ -60,17 +59,16 @@ class LibavSource : public FrameSource {
     describe(options);
   }
 
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
-    prepare_window(info_, index, window, picture);
+  std::optional<StoredFrame> stored(std::int64_t index) override {
     decode_frame(shown_[static_cast<std::size_t>(index)], index);
-    if (info_.coder) keep_coded(index);
-    copy_libav_window(*frame_, window, picture);
+    if (info_.coder) {
+      coded_ = coded_frame_of(*decoder_, *frame_, table_step(held_));
+      coded_index_ = index;
+    }
+    return stored_levels(*frame_);
   }
-
   const CodedFrame* coded(std::int64_t index) const override {
-    const auto found = std::ranges::find(coded_, index, &CodedRecord::index);
-    return found == coded_.end() ? nullptr : &found->frame;
+    return index == coded_index_ ? &coded_ : nullptr;
   }
 
  private:
@@ -342,11 +340,7 @@ class LibavSource : public FrameSource {
     return at < table_steps_.size() ? table_steps_[at] : 0;
   }
 
-  void keep_coded(std::int64_t index) {
-    if (coded(index)) return;
-    if (coded_.size() == kCodedFrames) coded_.pop_front();
-    coded_.push_back({index, coded_frame_of(*decoder_, *frame_, table_step(held_))});
-  }
+  void compute(const Rect& window, Picture& picture) override { compute_levels(*frame_, window, picture); }
 
   /// Every other row of an interlaced frame was filmed half a frame later.
   void require_progressive() const {
@@ -440,7 +434,10 @@ class LibavSource : public FrameSource {
     const int unit = 1 << (bits - 8), black = 16 * unit, white = 235 * unit;
     info_.notes.push_back(fmt::format("limited range: black is stored as {}, white as {}", black, white));
     Picture first(info_.width, info_.height);
-    copy_libav_window(*frame_, bounds(), first);
+    if (const auto stored = stored_levels(*frame_))
+      copy_stored(*stored, bounds(), first);
+    else
+      compute_levels(*frame_, bounds(), first);
     const auto above = static_cast<float>(white + unit), below = static_cast<float>(white - unit);
     std::ptrdiff_t brighter = 0, at_white = 0;
     for (const float level : first.levels()) {
@@ -503,18 +500,14 @@ class LibavSource : public FrameSource {
   bool after_seek_ = false;
   std::size_t seek_target_ = 0;
 
-  struct CodedRecord {
-    std::int64_t index = 0;
-    CodedFrame frame;
-  };
-  static constexpr std::size_t kCodedFrames = 128;
-  std::deque<CodedRecord> coded_;   ///< of the frames read last
+  CodedFrame coded_;  ///< of the frame that was read last
+  std::int64_t coded_index_ = -1;
   std::vector<float> table_steps_;  ///< of each packet decoded, MJPEG
 };
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_libav(const std::filesystem::path& path, const SourceOptions& options) {
+std::unique_ptr<DecodedSource> open_libav(const std::filesystem::path& path, const SourceOptions& options) {
   return std::make_unique<LibavSource>(path, options);
 }
 

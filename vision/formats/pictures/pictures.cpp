@@ -33,17 +33,12 @@ void require_supported(const cv::Mat& image, const std::string& name) {
 }
 
 /// What sequences and stacks share: the description from the first frame, and a frame kept decoded.
-class DecodedPictures : public FrameSource {
+class DecodedPictures : public DecodedSource {
  public:
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
-    prepare_window(info_, index, window, picture);
+  std::optional<StoredFrame> stored(std::int64_t index) override {
     const cv::Mat& image = decoded(index);
-    const bool narrow = image.depth() == CV_8U;
-    const auto copy = image.channels() == 1 ? (narrow ? copy_levels : copy_levels_16)
-                                            : (narrow ? luma_of_bgr : luma_of_bgr_16);
-    for (int y = 0; y < window.height; ++y)
-      copy(image.ptr(window.y + y) + static_cast<std::size_t>(window.x) * image.elemSize(), picture.row(y));
+    if (image.channels() > 1) return std::nullopt;
+    return StoredFrame{image.ptr(), static_cast<std::ptrdiff_t>(image.step), image.elemSize()};
   }
 
  protected:
@@ -84,6 +79,12 @@ class DecodedPictures : public FrameSource {
              kept_.cols, kept_.rows, bits, info_.width, info_.height, info_.bits);
     kept_index_ = index;
     return kept_;
+  }
+
+  void compute(const Rect& window, Picture& picture) override {
+    const auto copy = kept_.depth() == CV_8U ? luma_of_bgr : luma_of_bgr_16;
+    for (int y = 0; y < window.height; ++y)
+      copy(kept_.ptr(window.y + y) + static_cast<std::size_t>(window.x) * kept_.elemSize(), picture.row(y));
   }
 
   cv::Mat kept_;
@@ -152,13 +153,13 @@ class PictureStack : public DecodedPictures {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_picture_sequence(const fs::path& path, PictureList pictures,
-                                                   const SourceOptions& options) {
+std::unique_ptr<DecodedSource> open_picture_sequence(const fs::path& path, PictureList pictures,
+                                                     const SourceOptions& options) {
   silence_opencv();
   return std::make_unique<PictureSequence>(path, std::move(pictures), options);
 }
 
-std::unique_ptr<FrameSource> open_picture_stack(const fs::path& path, const SourceOptions& options) {
+std::unique_ptr<DecodedSource> open_picture_stack(const fs::path& path, const SourceOptions& options) {
   silence_opencv();
   require_readable_file(path);
   return std::make_unique<PictureStack>(path, options);

@@ -1,0 +1,20 @@
+// What a process that decodes strangers' recordings may do.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace tribotrack::vision {
+
+/// Of the calling process, for good: read-only files, memory beyond what it has up to 4 GB, no other process,
+/// no network (seccomp, where the kernel has it). Descriptors from `first_closed` on
+/// are closed, what is printed is lost.
+void confine_to_reading(int first_closed);
+
+/// The process dies after this much CPU time from now on, unless this is called again.
+void allow_cpu(std::uint64_t seconds);
+
+/// How a process that should not have ended did: "crashes its decoder ...", to follow a recording's name.
+std::string end_in_words(int status);
+
+}  // namespace tribotrack::vision
