@@ -59,10 +59,6 @@ namespace {
 constexpr unsigned kMostStreams = 64;
 constexpr std::size_t kLargestAllocation = std::size_t{1} << 30;
 
-int interrupted(void* deadline) {
-  return static_cast<const Deadline*>(deadline)->passed() ? 1 : 0;
-}
-
 void limit_memory() {
   static std::once_flag once;
   std::call_once(once, [] { av_max_alloc(kLargestAllocation); });
@@ -74,14 +70,13 @@ bool is_coding_read(const std::string& decoder_name) {
   return ("," + std::string(kCodings) + ",").find("," + decoder_name + ",") != std::string::npos;
 }
 
-AVFormatContext* contained_input(const Deadline& deadline) {
+AVFormatContext* contained_input() {
   limit_memory();
   AVFormatContext* input = there(avformat_alloc_context());
   av_opt_set(input, "protocol_whitelist", "file", 0);
   av_opt_set(input, "format_whitelist", kContainers, 0);
   av_opt_set(input, "codec_whitelist", kCodings, 0);
   input->max_streams = kMostStreams;
-  input->interrupt_callback = {interrupted, const_cast<Deadline*>(&deadline)};
   return input;
 }
 

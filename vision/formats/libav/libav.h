@@ -2,7 +2,6 @@
 // a file has been cut short.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -104,23 +103,9 @@ constexpr std::uint64_t most_packet_bytes(std::uint64_t file_bytes) {
 
 bool is_coding_read(const std::string& decoder_name);
 
-/// libav gives up waiting for the disk, or for a file that never ends, when this has passed.
-class Deadline {
- public:
-  explicit Deadline(std::chrono::seconds limit = std::chrono::seconds(60)) : limit_(limit) {}
-  /// Of the call that follows.
-  void start() { end_ = std::chrono::steady_clock::now() + limit_; }
-  bool passed() const { return std::chrono::steady_clock::now() >= end_; }
-  std::int64_t seconds() const { return limit_.count(); }
-
- private:
-  std::chrono::seconds limit_;
-  std::chrono::steady_clock::time_point end_ = std::chrono::steady_clock::time_point::max();
-};
-
-/// A new context for avformat_open_input that reads local files of kContainers only. `deadline` must outlive
-/// it. No single allocation of libav exceeds 1 GiB from then on, in the whole process.
-AVFormatContext* contained_input(const Deadline& deadline);
+/// A new context for avformat_open_input that reads local files of kContainers only. No single
+/// allocation of libav exceeds 1 GiB from then on, in the whole process.
+AVFormatContext* contained_input();
 
 /// avformat_find_stream_info, with pictures no larger than vision/io/files.h allows.
 int find_contained_streams(AVFormatContext& input);

@@ -93,8 +93,7 @@ class LibavSource : public DecodedSource {
   void open_input() {
     decoder_.reset();
     input_.reset();
-    deadline_.start();
-    AVFormatContext* context = contained_input(deadline_);
+    AVFormatContext* context = contained_input();
     const std::string url = "file:" + info_.path.string();
     if (const int error = avformat_open_input(&context, url.c_str(), nullptr, nullptr); error < 0)
       refuse_input(error);
@@ -133,26 +132,18 @@ class LibavSource : public DecodedSource {
     return ": " + libav_error(error);
   }
   [[noreturn]] void refuse_input(int error) const {
-    if (error == AVERROR_EXIT) refuse_late("it takes longer to open");
     if (error == AVERROR(EINVAL))  // libav's answer to a container that is not on the list
       refuse("is no video of a kind that is read ({}); check the file, or {}", kContainersInWords,
              kRemedyConvert);
     refuse("is no video that can be read{}; check the file, or export it again", reason_of(error));
   }
-  [[noreturn]] void refuse_late(const std::string& what) const {
-    refuse("is damaged, or its disk does not answer: {} than {} s; copy it to a local disk", what,
-           deadline_.seconds());
-  }
 
   /// Reads the next packet of the video; false at the end.
   bool read_packet() {
     for (;;) {
-      deadline_.start();
       av_packet_unref(packet_.get());
       const int error = av_read_frame(input_.get(), packet_.get());
       if (error == AVERROR_EOF) return false;
-      if (error == AVERROR_EXIT)
-        refuse_late("packet " + std::to_string(next_packet_) + " takes longer to read");
       if (error < 0)
         refuse("cannot be read at packet {}: {}; copy or export the recording again", next_packet_,
                libav_error(error));
@@ -484,7 +475,6 @@ class LibavSource : public DecodedSource {
     return std::nullopt;
   }
 
-  Deadline deadline_;  ///< before input_, which asks it
   LibavInput input_;
   LibavCoder decoder_;
   LibavPacket packet_{there(av_packet_alloc())};

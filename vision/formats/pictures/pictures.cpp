@@ -1,7 +1,6 @@
 #include "vision/formats/pictures/pictures.h"
 
 #include <opencv2/core.hpp>
-#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -16,11 +15,6 @@ namespace tribotrack::vision {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// OpenCV reports errors on stderr; here they become one InputError.
-void silence_opencv() {
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-}
 
 void require_supported(const cv::Mat& image, const std::string& name) {
   if (image.empty())
@@ -155,12 +149,10 @@ class PictureStack : public DecodedPictures {
 
 std::unique_ptr<DecodedSource> open_picture_sequence(const fs::path& path, PictureList pictures,
                                                      const SourceOptions& options) {
-  silence_opencv();
   return std::make_unique<PictureSequence>(path, std::move(pictures), options);
 }
 
 std::unique_ptr<DecodedSource> open_picture_stack(const fs::path& path, const SourceOptions& options) {
-  silence_opencv();
   require_readable_file(path);
   return std::make_unique<PictureStack>(path, options);
 }

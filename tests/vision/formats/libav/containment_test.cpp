@@ -91,22 +91,6 @@ TEST_F(ContainmentTest, ADamagedFrameIsNamedByItsNumber) {
   EXPECT_THAT(input_error(file("a.mkv")), ContainsRegex("frame [0-9]+ \\(packet [0-9]+ of 40\\)"));
 }
 
-TEST_F(ContainmentTest, NothingIsWaitedForLongerThanTheDeadline) {
-  write_recording(file("a.mkv"), options(), 3);
-  const std::string url = "file:" + file("a.mkv").string();
-  const auto opens = [&](Deadline& deadline) {
-    silence_libav();
-    deadline.start();
-    AVFormatContext* input = contained_input(deadline);
-    const int error = avformat_open_input(&input, url.c_str(), nullptr, nullptr);
-    const LibavInput closed(input);
-    return error;
-  };
-  Deadline usual, none{std::chrono::seconds(0)};
-  EXPECT_EQ(opens(usual), 0);
-  EXPECT_EQ(opens(none), AVERROR_EXIT);
-}
-
 TEST(Containment, OnlyWholeNamesCount) {
   EXPECT_TRUE(is_coding_read("h264"));
   EXPECT_TRUE(is_coding_read("qtrle"));
