@@ -13,7 +13,6 @@
 #include <string_view>
 
 #include "vision/formats/cine/cine.h"
-#include "vision/formats/contained/contained.h"
 #include "vision/formats/libav/libav.h"
 #include "vision/formats/photron/photron.h"
 #include "vision/formats/pictures/pictures.h"
@@ -67,16 +66,14 @@ void refuse_text(const fs::path& path) {
 }  // namespace
 
 std::unique_ptr<FrameSource> open_source(const fs::path& path, const SourceOptions& options) {
-  if (auto pictures = pictures_at(path))
-    return open_contained(path, [&] { return open_picture_sequence(path, std::move(*pictures), options); });
+  if (auto pictures = pictures_at(path)) return open_picture_sequence(path, std::move(*pictures), options);
   if (const auto pixels = mraw_named(path)) return open_mraw(*pixels, options);
   require_readable_file(path);
   refuse_norpix(path);
   if (is_cine(path)) return open_cine(path, options);
-  if (has_picture_extension(path))
-    return open_contained(path, [&] { return open_picture_stack(path, options); });
+  if (has_picture_extension(path)) return open_picture_stack(path, options);
   refuse_text(path);
-  return open_contained(path, [&] { return open_libav(path, options); });
+  return open_libav(path, options);
 }
 
 std::vector<fs::path> files_of_recording(const fs::path& path) {

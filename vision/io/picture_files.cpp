@@ -283,6 +283,10 @@ std::vector<unsigned char> encoded(const char* extension, const cv::Mat& image,
 
 }  // namespace
 
+void load_picture_library() {
+  Imgcodecs::loaded();
+}
+
 cv::Mat read_picture(const std::string& file) {
   return Imgcodecs::loaded().read(file, cv::IMREAD_UNCHANGED);
 }

@@ -24,6 +24,10 @@ std::int64_t count_tiff_pages(const std::filesystem::path& path);
 
 // Reading and writing picture files by OpenCV. All throw InputError where its library is not installed.
 
+/// Loads that library, which the functions below otherwise do when one of them is first called. A process
+/// that is forked while another thread loads one cannot.
+void load_picture_library();
+
 /// As stored, whatever the depth; empty where it cannot be decoded.
 cv::Mat read_picture(const std::string& file);
 std::vector<cv::Mat> read_pages(const std::string& file, int first, int count);

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <span>
 
+#include "vision/formats/contained/contained.h"
 #include "vision/formats/libav/libav.h"
 #include "vision/formats/photron/photron.h"
 #include "vision/io/files.h"
@@ -497,8 +498,8 @@ class LibavSource : public DecodedSource {
 
 }  // namespace
 
-std::unique_ptr<DecodedSource> open_libav(const std::filesystem::path& path, const SourceOptions& options) {
-  return std::make_unique<LibavSource>(path, options);
+std::unique_ptr<FrameSource> open_libav(const std::filesystem::path& path, const SourceOptions& options) {
+  return open_contained(path, [&] { return std::make_unique<LibavSource>(path, options); });
 }
 
 }  // namespace tribotrack::vision

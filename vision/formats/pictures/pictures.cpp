@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "vision/formats/contained/contained.h"
 #include "vision/formats/photron/photron.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
@@ -147,14 +148,17 @@ class PictureStack : public DecodedPictures {
 
 }  // namespace
 
-std::unique_ptr<DecodedSource> open_picture_sequence(const fs::path& path, PictureList pictures,
-                                                     const SourceOptions& options) {
-  return std::make_unique<PictureSequence>(path, std::move(pictures), options);
+std::unique_ptr<FrameSource> open_picture_sequence(const fs::path& path, PictureList pictures,
+                                                   const SourceOptions& options) {
+  load_picture_library();
+  return open_contained(
+      path, [&] { return std::make_unique<PictureSequence>(path, std::move(pictures), options); });
 }
 
-std::unique_ptr<DecodedSource> open_picture_stack(const fs::path& path, const SourceOptions& options) {
+std::unique_ptr<FrameSource> open_picture_stack(const fs::path& path, const SourceOptions& options) {
   require_readable_file(path);
-  return std::make_unique<PictureStack>(path, options);
+  load_picture_library();
+  return open_contained(path, [&] { return std::make_unique<PictureStack>(path, options); });
 }
 
 namespace {

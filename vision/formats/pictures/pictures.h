@@ -10,7 +10,6 @@
 
 #include "vision/frame_sink.h"
 #include "vision/frame_source.h"
-#include "vision/io/levels.h"
 
 namespace tribotrack::vision {
 
@@ -58,12 +57,12 @@ PictureList pictures_of_pattern(const NumberPattern& pattern);
 
 /// One file per frame, all of the size of the first; checked when a frame is read. 8 or 16 bits; colour is
 /// handed out as luma. Pictures never state a capture rate: the time base is the user's or unknown.
-std::unique_ptr<DecodedSource> open_picture_sequence(const std::filesystem::path& path, PictureList pictures,
-                                                     const SourceOptions& options);
+std::unique_ptr<FrameSource> open_picture_sequence(const std::filesystem::path& path, PictureList pictures,
+                                                   const SourceOptions& options);
 
 /// A multi-page TIFF, one page per frame; a single picture is a stack of one.
-std::unique_ptr<DecodedSource> open_picture_stack(const std::filesystem::path& path,
-                                                  const SourceOptions& options);
+std::unique_ptr<FrameSource> open_picture_stack(const std::filesystem::path& path,
+                                                const SourceOptions& options);
 
 // Writing PNG and TIFF sequences.
 
