@@ -28,10 +28,10 @@ void set_aside_repeated(std::vector<Run>& runs) {
       if (!runs[k].takes_part() || !same_recording(runs[i], runs[k])) continue;
       if (here.phi != before.phi || here.dtau != before.dtau)
         throw InvalidInput(
-            fmt::format("{}: run \"{}\" is the recording of run \"{}\" once more, with another phi_rad or "
-                        "dtau_rad: take one "
-                        "of them out, or name the right recording",
-                        here.place, here.name, before.name));
+            "{}: run \"{}\" is the recording of run \"{}\" once more, with another phi_rad or "
+            "dtau_rad: take one "
+            "of them out, or name the right recording",
+            here.place, here.name, before.name);
       runs[i].repeats = before.name;
     }
 }

@@ -32,9 +32,9 @@ model::Drive drive_of(const Campaign& campaign, const CampaignRun& run, bool see
   const auto demand = [&](bool known, const char* key) {
     if (!known && !seen)
       throw InvalidInput(
-          fmt::format("{}: run \"{}\": {} is neither given nor seen; give it in [platform] (or the run), or "
-                      "`marker_px` in [camera]",
-                      run.place, run.name, key));
+          "{}: run \"{}\": {} is neither given nor seen; give it in [platform] (or the run), or "
+          "`marker_px` in [camera]",
+          run.place, run.name, key);
   };
   demand(run.amplitude || given.amplitude, "amplitude_mm");
   demand(run.angular_frequency || given.angular_frequency, "angular_frequency_rad_s");
@@ -50,13 +50,12 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
   const auto channel = [&](int number, const char* key) {
     if (number == 0) return std::vector<double>();
     if (static_cast<std::size_t>(number) > file.channels.size())
-      throw InvalidInput(
-          fmt::format("{}:1: holds {} channel{}, but [scope] {} = {}{}", run.scope->string(),
-                      file.channels.size(), file.channels.size() == 1 ? "" : "s", key, number,
-                      file.layout == "Tektronix TDS"
-                          ? ": this oscilloscope writes a file for each; name both, scope = [\"CH1.csv\", "
-                            "\"CH2.csv\"]"
-                          : ""));
+      throw InvalidInput("{}:1: holds {} channel{}, but [scope] {} = {}{}", run.scope->string(),
+                         file.channels.size(), file.channels.size() == 1 ? "" : "s", key, number,
+                         file.layout == "Tektronix TDS"
+                             ? ": this oscilloscope writes a file for each; name both, scope = [\"CH1.csv\", "
+                               "\"CH2.csv\"]"
+                             : "");
     return file.channels[static_cast<std::size_t>(number) - 1];
   };
   fit::ScopeTrace trace{file.start_s, file.increment_s, channel(section.sensor_channel, "sensor_channel"),
@@ -69,9 +68,8 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
   try {
     evidence.events = fit::find_scope_events(trace, options);
   } catch (const fit::DataError& error) {
-    throw InvalidInput(fmt::format("{}: {} ([scope] sensor_channel = {}, actuator_channel = {})",
-                                   run.scope->string(), error.what(), section.sensor_channel,
-                                   section.actuator_channel));
+    throw InvalidInput("{}: {} ([scope] sensor_channel = {}, actuator_channel = {})", run.scope->string(),
+                       error.what(), section.sensor_channel, section.actuator_channel);
   }
   evidence.sensor = fit::sensor_clock(evidence.events, options);
   evidence.tie = section.tie;
@@ -79,13 +77,13 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
   evidence.trigger_time = section.trigger_time_s ? section.trigger_time_s : track.trigger_time_s;
   if (evidence.tie == "trigger" && !evidence.trigger_time)
     throw InvalidInput(
-        fmt::format("{}: run \"{}\": the recording does not hold the time of its trigger; give [scope] "
-                    "trigger_time_s, the trigger's time in the recording",
-                    run.place, run.name));
+        "{}: run \"{}\": the recording does not hold the time of its trigger; give [scope] "
+        "trigger_time_s, the trigger's time in the recording",
+        run.place, run.name);
   if (evidence.tie == "lamp" && track.lamp.time.empty())
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: run \"{}\": [scope] tie = \"lamp\" needs a lamp in the picture; give [camera] gate_px",
-        run.place, run.name));
+        run.place, run.name);
   return evidence;
 }
 
@@ -97,10 +95,10 @@ void require_same_frequency(const Run& analysed) {
   const double trace = analysed.scope->sensor->angular_frequency.value,
                recording = analysed.measurement->platform->angular_frequency.value;
   if (std::abs(trace / recording - 1) > kSame)
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: run \"{}\": the sensor in {} shows {:.4g} rad/s, the recording {:.4g} rad/s: "
         "is it the trace of another run? check `scope`",
-        analysed.given.place, analysed.given.name, analysed.given.scope->string(), trace, recording));
+        analysed.given.place, analysed.given.name, analysed.given.scope->string(), trace, recording);
 }
 
 /// A track that lost its part too often, or is none of a part, measures nothing, whoever made it and when.
@@ -113,13 +111,13 @@ void require_accepted(const CampaignRun& run, const Track& track) {
     if (std::filesystem::exists(overlay)) look = fmt::format("look at {}; ", overlay.string());
   }
   if (track.rests_for_ever)
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: run \"{}\": the disc that was found by itself never moves; {}give disc_px = [X, Y, R]",
-        run.place, run.name, look));
-  throw InvalidInput(fmt::format(
+        run.place, run.name, look);
+  throw InvalidInput(
       "{}: run \"{}\": the part was lost in {} of {} frames, more than allowed; {}give disc_px, or leave "
       "frames out with `frames`",
-      run.place, run.name, track.lost_counted, track.frames, look));
+      run.place, run.name, track.lost_counted, track.frames, look);
 }
 
 /// Of a part that rests throughout a fit would make the least friction there can be.
@@ -131,11 +129,11 @@ void require_slide(const CampaignRun& run, const fit::TrackTable& track) {
     variance += 0.5 * track.covariance[k].trace() / static_cast<double>(track.position.size());
   }
   if (way > kLeast * std::sqrt(variance)) return;
-  throw InvalidInput(fmt::format(
+  throw InvalidInput(
       "{}: run \"{}\": the part moves by {:.2g} mm in the frames used, hardly more than its positions are "
       "uncertain by ({:.2g} mm): it does not slide there; give `frames` in which it does, and disc_px as the "
       "first of them shows it",
-      run.place, run.name, 1e3 * way, 1e3 * std::sqrt(variance)));
+      run.place, run.name, 1e3 * way, 1e3 * std::sqrt(variance));
 }
 
 /// Everything that is known of one run: given, or seen in its track.
@@ -239,8 +237,8 @@ void measure(const Campaign& campaign, Run& run) {
 void require_trace(const CampaignRun& run) {
   for (const auto& file : {run.scope, run.second_scope})
     if (file && !std::filesystem::is_regular_file(*file))
-      throw InvalidInput(fmt::format("{}: run \"{}\": there is no oscilloscope file {}; check `scope`",
-                                     run.place, run.name, file->string()));
+      throw InvalidInput("{}: run \"{}\": there is no oscilloscope file {}; check `scope`", run.place,
+                         run.name, file->string());
 }
 
 std::string failure_of(const CampaignRun& run, const std::exception& error) {
@@ -270,9 +268,9 @@ void measure_again(const Campaign& campaign, Run& analysed) {
   if (measured != nullptr) {
     if (!measured->displacement)
       throw InvalidInput(
-          fmt::format("{}: run \"{}\": angular_frequency_rad_s is neither given nor seen; give it in "
-                      "[platform], or `marker_px` in [camera]",
-                      run.place, run.name));
+          "{}: run \"{}\": angular_frequency_rad_s is neither given nor seen; give it in "
+          "[platform], or `marker_px` in [camera]",
+          run.place, run.name);
     analysed.displacement = *measured->displacement;
     scenario.cycles = analysed.displacement.cycles;
   } else if (!run.free_slide) {

@@ -194,21 +194,21 @@ constexpr const char* kImplied = " (amplitude_mm, as it is not given)";
   const std::string likely = likely_slip(key, given, seen.value);
   const std::string meant = likely.empty() ? "more than an error of measuring" : likely;
   if (slip.quantity == Source::diameter)
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: [part] diameter_mm = {:.6g}, but the part measures {:.4g} mm by the scale that is given: {}; "
         "mend diameter_mm, mm_per_px or calibration",
-        file, given, seen.value, meant));
+        file, given, seen.value, meant);
   const bool implied = slip.quantity == Source::amplitude_y && !campaign.platform.amplitude_y;
   const bool angle = slip.quantity == Source::phase_shift;
   const std::string cause = slip.quantity == Source::angular_frequency ? "; or frame_rate_hz is wrong"
                             : angle                                    ? ""
                                     : wrong_scale(campaign, run, given / seen.value);
-  throw InvalidInput(fmt::format(
+  throw InvalidInput(
       "{}{}: {} = {:.6g}{}, but the {} shows {}{}: {}{}; mend it, or leave it out to use what was measured",
       slip.given.of_run || slip.runs == 1 ? run.place : file,
       slip.runs == 1 ? fmt::format(": run \"{}\"", run.name) : "", key, given, implied ? kImplied : "",
       seen_by, quoted(seen.value, seen.sd), slip.runs > 1 ? fmt::format(" in {} runs", slip.runs) : "", meant,
-      cause));
+      cause);
 }
 
 std::string contradiction(const PooledQuantity& q, const std::string& seen_by) {

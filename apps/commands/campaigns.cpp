@@ -106,9 +106,9 @@ void check_output(const Campaign& campaign, const FitCommandOptions& options) {
   require_writable({{options.output}}, inputs);
   const RunFolder folder{fs::path(options.output).parent_path()};
   if (const auto writer = writer_of(folder))
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: a run is writing into its folder: {}; wait until it has finished, or give another output",
-        options.output, *writer));
+        options.output, *writer);
 }
 
 void fit_command(const FitCommandOptions& options, Context& context) {
@@ -242,10 +242,10 @@ void print_figures(const std::filesystem::path& folder, std::string_view runs_cs
   const std::string said = run_script(path, status);
   if (status == 0) return;
   const bool missing = status == 127 || said.find("ModuleNotFoundError") != std::string::npos;
-  throw InvalidInput(fmt::format(
+  throw InvalidInput(
       "{}: the figures were not drawn: {}; {} (table and script are there)", folder.string(), last_line(said),
       missing ? fmt::format("install Debian's python3-matplotlib, then `python3 {}` draws them", path)
-              : fmt::format("`python3 {}` says more", path)));
+              : fmt::format("`python3 {}` says more", path));
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ void measure_command(const MeasureOptions& options, Context& context) {
   const TrackReading& reading = options.data.tracks;
   for (const auto& [flag, value] :
        {std::pair{"--mm-per-px", reading.mm_per_px}, std::pair{"--fps", reading.frame_rate_hz}})
-    if (value && !(*value > 0)) throw UsageError(fmt::format("{} must be greater than 0", flag));
+    if (value && !(*value > 0)) throw UsageError("{} must be greater than 0", flag);
   const Track track = track_of(options, context);
   if (!track.imported.empty())
     for (const std::string& warning : track.warnings) say(context.quiet, "note: " + warning);
@@ -140,13 +140,12 @@ vision::CalibrationBoard board_of(const CalibrateOptions& options) {
       cross + 1 < options.squares.size() ? parse_number(options.squares.substr(cross + 1)).value_or(0) : 0;
   const auto is_count = [](double n) { return n >= 1 && n <= 1000 && n == std::floor(n); };
   if (!is_count(columns) || !is_count(rows))
-    throw UsageError(
-        fmt::format("--squares must read COLUMNSxROWS, such as 10x7 (squares, not corners), not \"{}\"",
-                    options.squares));
+    throw UsageError("--squares must read COLUMNSxROWS, such as 10x7 (squares, not corners), not \"{}\"",
+                     options.squares);
   board.columns = static_cast<int>(columns);
   board.rows = static_cast<int>(rows);
   if (!(*options.square_mm > 0))
-    throw UsageError(fmt::format("--square-mm must be greater than 0, not {}", *options.square_mm));
+    throw UsageError("--square-mm must be greater than 0, not {}", *options.square_mm);
   board.square_mm = *options.square_mm;
   board.square_relative_sd = options.square_sd_mm.value_or(0) / board.square_mm;
   try {

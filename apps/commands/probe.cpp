@@ -243,9 +243,9 @@ CampaignDraft draft_for(const InitOptions& options, const Context& context) {
   const std::vector<fs::path> recordings = recordings_in(options.from);
   if (recordings.empty())
     throw InvalidInput(
-        fmt::format("{}: holds no recording (.cine, video, TIFF stack or folders of pictures); give the "
-                    "folder that does",
-                    options.from));
+        "{}: holds no recording (.cine, video, TIFF stack or folders of pictures); give the "
+        "folder that does",
+        options.from);
   return draft_of(recordings, options.draft, context);
 }
 
@@ -253,8 +253,7 @@ void init(const InitOptions& options, const Context& context) {
   const fs::path& folder = options.draft.folder;
   const fs::path file = folder / "campaign.toml";
   if (fs::exists(file))
-    throw InvalidInput(
-        fmt::format("{}: exists already and is not overwritten; give another folder", file.string()));
+    throw InvalidInput("{}: exists already and is not overwritten; give another folder", file.string());
   const CampaignDraft draft = draft_for(options, context);
   create_folder(folder);
   write_campaign(file, toml_of(draft));

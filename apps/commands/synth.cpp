@@ -152,17 +152,16 @@ bool names_recording(const fs::path& path) {
 void check_recordings(const std::vector<fs::path>& videos, const SynthOptions& options) {
   for (const fs::path& video : videos) {
     if (!names_recording(video))
-      throw InvalidInput(
-          fmt::format("{}: is no name of a recording: use .cine, .mkv, .avi, .mp4, %05d.png or %05d.tif",
-                      video.string()));
+      throw InvalidInput("{}: is no name of a recording: use .cine, .mkv, .avi, .mp4, %05d.png or %05d.tif",
+                         video.string());
     if (options.overwrite) continue;
     const auto files = files_of_input(video);
     const bool rendered = fs::exists(video.string() + ".truth.csv");  // a recording has no known truth
     if (!files.empty() && fs::exists(files.front()) && !rendered)
-      throw InvalidInput(fmt::format(
+      throw InvalidInput(
           "{}: is there already, was not rendered by `synth`, and is not overwritten; give another "
           "name, or --overwrite",
-          files.front().string()));
+          files.front().string());
   }
 }
 
@@ -171,9 +170,9 @@ void synth(const SynthOptions& options, const Context& context) {
   const Input scene = hashed_input(options.scene);
   const bool many = !shots.front().name.empty();
   if (many && names_recording(options.output))
-    throw InvalidInput(fmt::format(
-        "{}: names one recording, but {} has {} [[shot]]; give a folder, and --extension {}", options.output,
-        options.scene, shots.size(), fs::path(options.output).extension().string().substr(1)));
+    throw InvalidInput("{}: names one recording, but {} has {} [[shot]]; give a folder, and --extension {}",
+                       options.output, options.scene, shots.size(),
+                       fs::path(options.output).extension().string().substr(1));
   const auto video_of = [&](const SceneShot& shot) {
     return many ? fs::path(options.output) / (shot.name + "." + options.extension) : fs::path(options.output);
   };

@@ -55,7 +55,7 @@ std::vector<double> numbers_of(const std::string& flag, const std::string& text,
   for (const std::string& part : split(text, ','))
     if (const auto value = parse_number(part)) values.push_back(*value);
   if (values.size() != count || split(text, ',').size() != count)
-    throw UsageError(fmt::format("{} must read {}, not \"{}\"", flag, form, text));
+    throw UsageError("{} must read {}, not \"{}\"", flag, form, text);
   return values;
 }
 
@@ -71,17 +71,17 @@ std::vector<std::int64_t> rectangle_of(const std::string& text) {
 std::int64_t frame_number(const std::string& flag, const std::string& text) {
   const auto value = parse_number(text);
   if (!value || *value != std::floor(*value))
-    throw UsageError(fmt::format("{} must hold the recording's own image numbers, not \"{}\"", flag, text));
+    throw UsageError("{} must hold the recording's own image numbers, not \"{}\"", flag, text);
   return static_cast<std::int64_t>(*value);
 }
 
 void set_frames(TrackChoices& choices, const std::string& text) {
   const auto parts = split(text, ':');
   if (parts.size() != 2 && parts.size() != 3)
-    throw UsageError(fmt::format(
+    throw UsageError(
         "--frames must read A:B or A:B:STEP in the recording's own image numbers (each may be empty), not "
         "\"{}\"",
-        text));
+        text);
   const auto number = [&](std::size_t k) {
     const bool there = k < parts.size() && !parts[k].empty();
     return there ? std::optional(frame_number("--frames", parts[k])) : std::nullopt;
@@ -101,8 +101,7 @@ void set_marker(Json& camera, const std::string& text) {
 
 Recording recording_of(const TrackCommandOptions& options) {
   if (options.input == "-" || options.input == "/dev/stdin")
-    throw InvalidInput(
-        fmt::format("'{}': a recording is not read from standard input; give its file", options.input));
+    throw InvalidInput("'{}': a recording is not read from standard input; give its file", options.input);
   TrackChoices choices = options.choices;
   for (const TrackFlag& flag : kTrackNumbers)
     if (const auto& value = options.numbers.at(flag.flag)) choices.keys[flag.section][flag.key] = *value;
@@ -120,8 +119,8 @@ void check_debug_folder(const std::filesystem::path& folder, const std::filesyst
   const std::filesystem::path pictures = vision::is_number_pattern(input) ? input.parent_path() / "." : input;
   std::error_code ignored;
   if (std::filesystem::is_directory(pictures) && std::filesystem::equivalent(folder, pictures, ignored))
-    throw InvalidInput(fmt::format("{}: the recording's own pictures lie there; give --debug another folder",
-                                   folder.string()));
+    throw InvalidInput("{}: the recording's own pictures lie there; give --debug another folder",
+                       folder.string());
 }
 
 void print_explanation(const vision::TrackResult& result) {

@@ -61,8 +61,7 @@ class Watcher {
   }
 
   void finish() {
-    if (!fitted_)
-      throw InvalidInput(fmt::format("{}: no recording could be used", options_.draft.folder.string()));
+    if (!fitted_) throw InvalidInput("{}: no recording could be used", options_.draft.folder.string());
     if (options_.json) print_text(text_of(json_));
   }
 

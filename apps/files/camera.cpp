@@ -311,15 +311,15 @@ vision::CameraCalibration read_calibration(const std::filesystem::path& path) {
   try {
     c = calibration_from({json, ""});
   } catch (const WrongContent& error) {
-    throw InvalidInput(fmt::format("{}: is no calibration: {}; make one with `tribotrack calibrate`",
-                                   path.string(), error.what()));
+    throw InvalidInput("{}: is no calibration: {}; make one with `tribotrack calibrate`", path.string(),
+                       error.what());
   }
   if (!(c.lens.fx > 0 && c.lens.fy > 0 && c.mm_per_px > 0 && c.width > 0 && c.height > 0 &&
         c.distance_mm() > 0))
     throw InvalidInput(
-        fmt::format("{}: is no calibration: its sizes must be greater than 0; make a new one with "
-                    "`tribotrack calibrate`",
-                    path.string()));
+        "{}: is no calibration: its sizes must be greater than 0; make a new one with "
+        "`tribotrack calibrate`",
+        path.string());
   return c;
 }
 

@@ -46,9 +46,9 @@ void require_known_schema(const Json& meta, const std::filesystem::path& file) {
   const auto schema = meta.find("schema");
   if (schema == meta.end() || !schema->is_number_integer() || *schema <= kSchemaVersion) return;
   throw InvalidInput(
-      fmt::format("{}: `schema` is {}, written by a newer tribotrack; this one reads up to {}: update it, or "
-                  "run the campaign again",
-                  file.string(), schema->dump(), kSchemaVersion));
+      "{}: `schema` is {}, written by a newer tribotrack; this one reads up to {}: update it, or "
+      "run the campaign again",
+      file.string(), schema->dump(), kSchemaVersion);
 }
 
 void write_result(const fs::path& path, std::string_view text, const MetaFile& meta) {
@@ -200,15 +200,15 @@ RunFolderLock::RunFolderLock(const RunFolder& folder, const fs::path& campaign, 
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor_ < 0) {
       if (errno == ENOENT) continue;  // its folder was removed by a run that came to nothing
-      throw InvalidInput(fmt::format("{}: cannot be written: {}; give a folder that is yours to write to",
-                                     file_.string(), std::strerror(errno)));
+      throw InvalidInput("{}: cannot be written: {}; give a folder that is yours to write to", file_.string(),
+                         std::strerror(errno));
     }
     if (::flock(descriptor_, wait ? LOCK_EX : LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       ::close(descriptor_);
       throw InvalidInput(
-          fmt::format("{}: another run is writing there: {}; wait until it has finished (--wait), or give "
-                      "another folder",
-                      folder.root.string(), holder_in(file_)));
+          "{}: another run is writing there: {}; wait until it has finished (--wait), or give "
+          "another folder",
+          folder.root.string(), holder_in(file_));
     }
     // A file system without locks: better without one than not at all.
     if (is_current(descriptor_, file_)) break;
@@ -221,8 +221,8 @@ RunFolderLock::RunFolderLock(const RunFolder& folder, const fs::path& campaign, 
       ::write(descriptor_, holder.data(), holder.size()) != static_cast<::ssize_t>(holder.size())) {
     const std::string reason = std::strerror(errno);
     ::close(descriptor_);
-    throw InvalidInput(fmt::format("{}: cannot be written: {}; make room there, or give another folder",
-                                   file_.string(), reason));
+    throw InvalidInput("{}: cannot be written: {}; make room there, or give another folder", file_.string(),
+                       reason);
   }
 }
 

@@ -33,9 +33,8 @@ void require_kind(const StrictTable& top, TomlKind wanted, const std::string& fi
   const auto kind = kind_of(top);
   if (!kind || *kind == wanted) return;
   const auto& [name, command] = kKinds[static_cast<int>(*kind)];
-  throw InvalidInput(fmt::format("{}: is a {}, not a {}; `tribotrack {}` takes it", file, name,
-                                 kKinds[static_cast<int>(wanted)].first,
-                                 fmt::format(fmt::runtime(command), file)));
+  throw InvalidInput("{}: is a {}, not a {}; `tribotrack {}` takes it", file, name,
+                     kKinds[static_cast<int>(wanted)].first, fmt::format(fmt::runtime(command), file));
 }
 
 namespace {
@@ -70,10 +69,9 @@ void ScenarioFile::settle() {
   for (const auto& [name, tilt] :
        {std::pair{"tilt_x_rad", scenario.drive.tilt_x}, std::pair{"tilt_y_rad", scenario.drive.tilt_y}})
     if (std::abs(tilt) > kSteepest)
-      throw InvalidInput(fmt::format("{} = {} is out of range: it must lie within pi/4", name, tilt));
+      throw InvalidInput("{} = {} is out of range: it must lie within pi/4", name, tilt);
   if (!mu1_over_mu2) return;
-  if (!(*mu1_over_mu2 > 0))
-    throw InvalidInput(fmt::format("mu1_over_mu2 must be greater than 0, not {}", *mu1_over_mu2));
+  if (!(*mu1_over_mu2 > 0)) throw InvalidInput("mu1_over_mu2 must be greater than 0, not {}", *mu1_over_mu2);
   scenario.friction.reduced = scenario.friction.nominal / *mu1_over_mu2;
 }
 
@@ -231,15 +229,14 @@ void set_scenario_parameter(ScenarioFile& file, const std::string& name, double 
   }
   const std::vector<std::string> names = scenario_parameter_names();
   const std::string near = nearest_word(name, names);
-  throw UsageError(fmt::format("\"{}\" is not a parameter of a scenario{}; known: {}", name,
-                               near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near),
-                               fmt::join(names, ", ")));
+  throw UsageError("\"{}\" is not a parameter of a scenario{}; known: {}", name,
+                   near.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", near), fmt::join(names, ", "));
 }
 
 model::Start parse_start(const std::string& word) {
   for (std::size_t i = 0; i < kStarts.size(); ++i)
     if (kStarts[i] == word) return static_cast<model::Start>(i);
-  throw UsageError(fmt::format("the start must be one of {}, not \"{}\"", fmt::join(kStarts, ", "), word));
+  throw UsageError("the start must be one of {}, not \"{}\"", fmt::join(kStarts, ", "), word);
 }
 
 Json json_of(const model::Scenario& scenario) {

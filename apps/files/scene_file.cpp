@@ -117,7 +117,7 @@ SceneShot shot_of(StrictTable table, const SceneShot& base) {
   SceneShot shot = base;
   shot.name = table.text("name").value_or("");
   if (shot.name.empty() || shot.name.find('/') != std::string::npos)
-    throw InvalidInput(fmt::format("{}: a [[shot]] needs a `name` that can be a file's", table.place()));
+    throw InvalidInput("{}: a [[shot]] needs a `name` that can be a file's", table.place());
   if (table.has("mu2") && table.has("mu1_over_mu2"))
     table.fail("mu2", "and `mu1_over_mu2` mean the same; give one of them");
   const auto set = [&](const std::string& name) {

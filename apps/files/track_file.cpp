@@ -76,15 +76,15 @@ class FitTable {
   }
   double present(const TrackRow& row, double value, const char* column) const {
     if (std::isnan(value))
-      throw InvalidInput(fmt::format("{}: frame {} is ok and has x_mm, but no number in column {}",
-                                     path_.string(), row.frame, column));
+      throw InvalidInput("{}: frame {} is ok and has x_mm, but no number in column {}", path_.string(),
+                         row.frame, column);
     return value;
   }
 
   double positive(const TrackRow& row, double value, const char* column) const {
     if (value > 0) return value;
-    throw InvalidInput(fmt::format("{}: frame {} has theta_rad, but no positive number in column {}",
-                                   path_.string(), row.frame, column));
+    throw InvalidInput("{}: frame {} has theta_rad, but no positive number in column {}", path_.string(),
+                       row.frame, column);
   }
 
   const TrackRows& rows_;
@@ -213,17 +213,17 @@ Track track_described_by(const Json& meta, const std::filesystem::path& path) {
       meta.is_object() && meta.contains("command") && meta.at("command") != "track";
   if (!meta.is_object() || meta.empty() || of_another_command)
     throw InvalidInput(
-        fmt::format("{}: is not the meta file of a track; track the recording again, or put back the file "
-                    "that `tribotrack track` "
-                    "wrote",
-                    path.string()));
+        "{}: is not the meta file of a track; track the recording again, or put back the file "
+        "that `tribotrack track` "
+        "wrote",
+        path.string());
   require_known_schema(meta, path);
   try {
     return track_from({meta, ""});
   } catch (const WrongContent& error) {
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: is not the meta file of a track ({}); track the recording again, or delete this file",
-        path.string(), error.what()));
+        path.string(), error.what());
   }
 }
 
@@ -233,25 +233,24 @@ Track track_of_text(const std::filesystem::path& path, std::string text, const s
   if (meta) track = track_described_by(*meta, meta_path);
   const TrackRows rows = read_track_rows(path, std::move(text));
   if (rows.has_marker && !rows.has_planes && !track.mm_per_px)
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: without it the marker's columns of {} have no scale; put it back beside the table, or make "
         "both again with `tribotrack track`",
-        meta_path.string(), path.string()));
+        meta_path.string(), path.string());
   return with_rows(std::move(track), rows, path);
 }
 
 Track read_track_file(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path))
-    throw InvalidInput(fmt::format("{}: is a folder; name a track, such as {}", path.string(),
-                                   (path / "NAME.csv").string()));
+    throw InvalidInput("{}: is a folder; name a track, such as {}", path.string(),
+                       (path / "NAME.csv").string());
   if (!std::filesystem::is_regular_file(path))
-    throw InvalidInput(
-        fmt::format("{}: there is no such track; make one with `tribotrack track`", path.string()));
+    throw InvalidInput("{}: there is no such track; make one with `tribotrack track`", path.string());
   std::string text = read_text(path);
   if (text.find('\0') != std::string::npos)
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: is no table but a binary file; if it is a recording, `tribotrack track` makes a track of it",
-        path.string()));
+        path.string());
   const std::filesystem::path meta_path = path.string() + ".meta.json";
   std::optional<Json> meta;
   if (std::filesystem::exists(meta_path)) meta = read_json(meta_path);

@@ -151,7 +151,7 @@ class Places {
     try {
       value = table.number(cell);
     } catch (const InvalidInput& error) {
-      throw InvalidInput(fmt::format("{} in column {}", error.what(), column.name));
+      throw InvalidInput("{} in column {}", error.what(), column.name);
     }
     if (std::abs(value) > kBeyondAllPictures)
       table.fail(cell, fmt::format("{} in column {} is out of range; at most {:g} can be", cell, column.name,
@@ -232,8 +232,7 @@ std::string track_csv(const TrackRows& table) {
 TrackRows read_track_rows(const std::filesystem::path& path, std::string text) {
   CsvTable csv(path, std::move(text), known_in);
   if (csv.holds() == "it is empty")
-    throw InvalidInput(
-        fmt::format("{}: is not a track: it is empty; make one with `tribotrack track`", path.string()));
+    throw InvalidInput("{}: is not a track: it is empty; make one with `tribotrack track`", path.string());
   const Places places(csv);
   TrackRows table;
   table.has_rotation = places.has("theta_rad");
@@ -251,8 +250,8 @@ TrackRows read_track_rows(const std::filesystem::path& path, std::string text) {
           "its time_s does not increase; put the rows in the order of time, or track the recording again");
   }
   if (table.rows.empty())
-    throw InvalidInput(fmt::format(
-        "{}: is a track that has no rows below its header; track the recording again", path.string()));
+    throw InvalidInput("{}: is a track that has no rows below its header; track the recording again",
+                       path.string());
   return table;
 }
 

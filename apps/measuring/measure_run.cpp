@@ -77,11 +77,11 @@ void require_same_sense(const std::string& name, const fit::PlatformMotion& seen
   const double stated = std::sin(phase_shift), measured = std::sin(seen.phase_shift.value);
   if (stated * measured >= 0 || std::abs(measured) < 5 * seen.phase_shift.sd) return;
   throw InvalidInput(
-      fmt::format("{}: the platform is seen to turn {}, but phase_shift_rad = {:.4g} means {}; set "
-                  "phase_shift_rad = {:.4g}, or check "
-                  "whether the picture is mirrored",
-                  name, seen.clockwise ? "clockwise" : "counter-clockwise", phase_shift,
-                  seen.clockwise ? "counter-clockwise" : "clockwise", -phase_shift));
+      "{}: the platform is seen to turn {}, but phase_shift_rad = {:.4g} means {}; set "
+      "phase_shift_rad = {:.4g}, or check "
+      "whether the picture is mirrored",
+      name, seen.clockwise ? "clockwise" : "counter-clockwise", phase_shift,
+      seen.clockwise ? "counter-clockwise" : "clockwise", -phase_shift);
 }
 
 /// The platform's phase over the camera's time; nullopt where it is unknown.

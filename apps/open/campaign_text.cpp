@@ -187,11 +187,10 @@ Json& place_in(Json& values, const CampaignEdit& edit) {
 
 /// A value alone, which TOML can read.
 Json value_of(const CampaignEdit& edit, const std::string& name) {
-  if (edit.value.find('\n') != std::string::npos)
-    throw InvalidInput(fmt::format("{}: {} takes one line", name, edit.key));
+  if (edit.value.find('\n') != std::string::npos) throw InvalidInput("{}: {} takes one line", name, edit.key);
   const Json read = values_of_campaign(edit.key + " = " + edit.value + "\n", edit.key);
   if (read.size() != 1 || !read.contains(edit.key))
-    throw InvalidInput(fmt::format("{}: `{}` is no value of {}", name, edit.value, edit.key));
+    throw InvalidInput("{}: `{}` is no value of {}", name, edit.value, edit.key);
   return read[edit.key];
 }
 
@@ -202,7 +201,7 @@ std::string with_edit(const std::string& text, const CampaignEdit& edit, const s
   if (!word(edit.key) || !word(edit.section)) throw InvalidInput(name + ": no such key");
   Json wanted = values_of_campaign(text, name);
   if (edit.section == "run" && (!wanted.contains("run") || edit.run >= wanted["run"].size()))
-    throw InvalidInput(fmt::format("{}: has no [[run]] number {}", name, edit.run + 1));
+    throw InvalidInput("{}: has no [[run]] number {}", name, edit.run + 1);
   Json& place = place_in(wanted, edit);
   if (place.is_null()) place = Json::object();
   if (edit.value.empty())
@@ -223,9 +222,9 @@ std::string with_edit(const std::string& text, const CampaignEdit& edit, const s
   }
   if (!done)
     throw InvalidInput(
-        fmt::format("{}: {} is written in a way that only a person can change (an inline or a dotted "
-                    "table); change it in the file",
-                    name, edit.key));
+        "{}: {} is written in a way that only a person can change (an inline or a dotted "
+        "table); change it in the file",
+        name, edit.key);
   return changed;
 }
 

@@ -106,9 +106,9 @@ LocalServer::LocalServer(int port, std::function<Answer(const Asked&)> answer)
     in.port = -1;
   if (in.port < 0)
     throw InvalidInput(
-        fmt::format("--port {}: cannot be listened at; another program has it, or only root may: give "
-                    "another, or none",
-                    port));
+        "--port {}: cannot be listened at; another program has it, or only root may: give "
+        "another, or none",
+        port);
 }
 
 LocalServer::~LocalServer() = default;

@@ -49,8 +49,8 @@ std::string text_in(const Json& json, const char* key) {
 OpenSession::OpenSession(const fs::path& given, const Context& context) : context_(context) {
   const bool is_folder = fs::is_directory(given);
   if (!is_folder && !fs::is_regular_file(given))
-    throw InvalidInput(fmt::format(
-        "{}: there is no such folder or campaign; give the folder of the recordings", given.string()));
+    throw InvalidInput("{}: there is no such folder or campaign; give the folder of the recordings",
+                       given.string());
   if (!is_folder) StrictTable::read(given);
   folder_ = fs::canonical(is_folder ? given : fs::absolute(given).parent_path());
   name_ = is_folder ? "campaign.toml" : given.filename().string();
@@ -75,15 +75,15 @@ fs::path OpenSession::recording(const std::string& video) {
   if (named_.contains(real)) return path;
   if (!is_inside(path) || !may_be_recording(path) ||
       !std::ranges::all_of(files_of_input(path), [&](const fs::path& file) { return is_inside(file); }))
-    throw InvalidInput(fmt::format("{}: is no recording in {}", video, folder_.string()));
+    throw InvalidInput("{}: is no recording in {}", video, folder_.string());
   named_.insert(real);
   return path;
 }
 
 std::string OpenSession::campaign_text() const {
   if (!is_inside(file()))
-    throw InvalidInput(
-        fmt::format("{}: is a link out of {}; give the campaign that it leads to", name_, folder_.string()));
+    throw InvalidInput("{}: is a link out of {}; give the campaign that it leads to", name_,
+                       folder_.string());
   return read_text(file());
 }
 
@@ -154,8 +154,8 @@ void OpenSession::take_list(const std::string& list, std::string& text) const {
       if (key != "video") edits.push_back({"run", run, key, toml_value(value)});
   }
   if (!absent.empty())
-    throw InvalidInput(fmt::format("{}: no run of the campaign has this recording; nothing was taken over",
-                                   fmt::join(absent, ", ")));
+    throw InvalidInput("{}: no run of the campaign has this recording; nothing was taken over",
+                       fmt::join(absent, ", "));
   text = with_edits(std::move(text), edits, name_);
 }
 

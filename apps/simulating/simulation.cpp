@@ -45,8 +45,7 @@ ScenarioFile base_of(const GivenScenario& given) {
   for (const auto& [name, value] : given.values) {
     if (!value) continue;
     if (const auto [other, is_new] = names.emplace(meaning_of(name), name); !is_new)
-      throw UsageError(
-          fmt::format("{} and {} mean the same; give one of them", flag_of(other->second), flag_of(name)));
+      throw UsageError("{} and {} mean the same; give one of them", flag_of(other->second), flag_of(name));
   }
   ScenarioFile file = given.file.empty() ? ScenarioFile{} : read_scenario_file(given.file);
   // amplitude_mm sets both axes, amplitude_y_mm the second: in this order, whatever the order they came in.
@@ -118,22 +117,22 @@ void require_sensible_table(const std::string& name, const model::Scenario& scen
   const double rows = intervals_of(scenario, samples_per_cycle) + 1;
   if (rows * kBytesPerRow < kLargest) return;
   throw InvalidInput(
-      fmt::format("{}: the table would have {:.0f} rows and take about {:.3g} GB, of at most {:.0f} GB: "
-                  "lower --cycles or --samples-per-cycle",
-                  name, rows, 1e-9 * rows * kBytesPerRow, 1e-9 * kLargest));
+      "{}: the table would have {:.0f} rows and take about {:.3g} GB, of at most {:.0f} GB: "
+      "lower --cycles or --samples-per-cycle",
+      name, rows, 1e-9 * rows * kBytesPerRow, 1e-9 * kLargest);
 }
 
 namespace {
 
 [[noreturn]] void refuse(const std::string& text) {
-  throw UsageError(fmt::format(
-      "--over {}: must read NAME=FROM:TO:COUNT, such as phi_rad=0:2pi:73, or NAME=VALUE,VALUE,...", text));
+  throw UsageError(
+      "--over {}: must read NAME=FROM:TO:COUNT, such as phi_rad=0:2pi:73, or NAME=VALUE,VALUE,...", text);
 }
 
 void refuse_degrees(const std::string& text, const std::string& name, double value) {
   if (!name.ends_with("_rad")) return;
   if (const std::string slip = angle_slip(value); !slip.empty())
-    throw UsageError(fmt::format("--over {}: {} {}", text, name, slip));
+    throw UsageError("--over {}: {} {}", text, name, slip);
 }
 
 std::vector<double> listed_values(const std::string& text, std::string_view list) {
@@ -152,9 +151,9 @@ std::vector<double> listed_values(const std::string& text, std::string_view list
 
 SweepAxis::SweepAxis(std::string name, std::vector<double> values)
     : name_(std::move(name)), text_(name_), count_(values.size()), listed_(std::move(values)) {
-  if (listed_.empty()) throw UsageError(fmt::format("--over {}: has no values", name_));
+  if (listed_.empty()) throw UsageError("--over {}: has no values", name_);
   for (const double value : listed_) {
-    if (!std::isfinite(value)) throw UsageError(fmt::format("--over {}: {} is no value", name_, value));
+    if (!std::isfinite(value)) throw UsageError("--over {}: {} is no value", name_, value);
     refuse_degrees(text_, name_, value);
   }
 }
@@ -177,9 +176,8 @@ SweepAxis::SweepAxis(const std::string& text) : text_(text) {
   const auto count = parse_number(text.substr(second + 1));
   if (!from || !to || !count) refuse(text);
   if (*count < 1 || *count > kMostScenarios || *count != std::floor(*count))
-    throw UsageError(
-        fmt::format("--over {}: the count, its last number, must be a whole number, 1 to {:.0f}, not {}",
-                    text, kMostScenarios, *count));
+    throw UsageError("--over {}: the count, its last number, must be a whole number, 1 to {:.0f}, not {}",
+                     text, kMostScenarios, *count);
   for (const double end : {*from, *to}) refuse_degrees(text, name_, end);
   from_ = *from;
   to_ = *to;
@@ -200,16 +198,15 @@ std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts) {
         "sweep needs one or two --over NAME=FROM:TO:COUNT (or `over` in [sweep] of the scenario)");
   if (axes.size() == 1) return axes;
   if (axes[0].name() == axes[1].name())
-    throw UsageError(
-        fmt::format("--over names {} twice; give another parameter for the second axis", axes[0].name()));
+    throw UsageError("--over names {} twice; give another parameter for the second axis", axes[0].name());
   if (meaning_of(axes[0].name()) == meaning_of(axes[1].name()))
-    throw UsageError(fmt::format("--over names {} and {}, which mean the same; give one of them",
-                                 axes[0].name(), axes[1].name()));
+    throw UsageError("--over names {} and {}, which mean the same; give one of them", axes[0].name(),
+                     axes[1].name());
   const double total = static_cast<double>(axes[0].count()) * static_cast<double>(axes[1].count());
   if (total > kMostScenarios)
-    throw UsageError(fmt::format(
+    throw UsageError(
         "--over {} --over {}: {:.0f} scenarios, at most {:.0f} are solved at once; lower the counts",
-        axes[0].text(), axes[1].text(), total, kMostScenarios));
+        axes[0].text(), axes[1].text(), total, kMostScenarios);
   return axes;
 }
 
@@ -243,7 +240,7 @@ void require_valid(const Sweep& sweep) {
       std::string axes;
       for (const SweepAxis& axis : sweep.axes())
         axes += fmt::format("{}--over {}", axes.empty() ? "" : " ", axis.text());
-      throw InvalidInput(fmt::format("{}: {}", axes, error.what()));
+      throw InvalidInput("{}: {}", axes, error.what());
     }
 }
 

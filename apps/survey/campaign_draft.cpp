@@ -285,7 +285,7 @@ std::string relative_to(const fs::path& recording, const fs::path& folder) {
 }
 
 std::vector<fs::path> recordings_in(const fs::path& folder) {
-  if (!fs::is_directory(folder)) throw InvalidInput(fmt::format("{}: is not a folder", folder.string()));
+  if (!fs::is_directory(folder)) throw InvalidInput("{}: is not a folder", folder.string());
   std::vector<fs::path> recordings;
   bool pictures = false;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -360,15 +360,13 @@ CampaignDraft draft_of(const std::vector<fs::path>& recordings, const DraftOptio
 
 void take_given(const DraftOptions& options, CampaignDraft& draft) {
   const auto require_positive = [](const char* flag, const std::optional<double>& value) {
-    if (value && !(*value > 0))
-      throw UsageError(fmt::format("{} must be greater than 0, not {:g}", flag, *value));
+    if (value && !(*value > 0)) throw UsageError("{} must be greater than 0, not {:g}", flag, *value);
   };
   require_positive("--disc-diameter-mm", options.diameter_mm);
   require_positive("--fps", options.fps);
   if (options.chamfer_mm && !options.diameter_mm) throw UsageError("--chamfer-mm needs --disc-diameter-mm");
   if (options.chamfer_mm && !can_be_chamfer(*options.chamfer_mm, *options.diameter_mm))
-    throw UsageError(
-        fmt::format("--chamfer-mm {:g} must be less than the radius and not negative", *options.chamfer_mm));
+    throw UsageError("--chamfer-mm {:g} must be less than the radius and not negative", *options.chamfer_mm);
   const auto take = [&](const char* section, const char* key, const std::optional<double>& value) {
     if (value) draft.tables[section][key] = {fmt::format("{}", *value), "given"};
   };

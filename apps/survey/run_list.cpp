@@ -71,7 +71,7 @@ CampaignDraft draft_of(const RunList& list, const fs::path& from, DraftOptions o
     name_files(line, from, options.folder, absent);
     if (!line.keys.contains("video")) {
       if (!line.keys.contains("track") && !line.keys.contains("alpha_rad"))
-        throw InvalidInput(fmt::format("{}: names no recording; fill in the column video", line.place));
+        throw InvalidInput("{}: names no recording; fill in the column video", line.place);
       others.push_back(run_without_video(line));
       continue;
     }
@@ -88,9 +88,9 @@ CampaignDraft draft_of(const RunList& list, const fs::path& from, DraftOptions o
   std::ranges::copy_if(recordings, std::back_inserter(unlisted),
                        [&](const fs::path& one) { return std::ranges::count(used, one) == 0; });
   if (!absent.empty())
-    throw InvalidInput(fmt::format(
-        "{}: names what is not in {}, or could be several there{}", fmt::join(absent, ", "), from.string(),
-        unlisted.empty() ? "; correct the names" : "; no line names " + names_of(unlisted)));
+    throw InvalidInput("{}: names what is not in {}, or could be several there{}", fmt::join(absent, ", "),
+                       from.string(),
+                       unlisted.empty() ? "; correct the names" : "; no line names " + names_of(unlisted));
   CampaignDraft draft = used.empty() ? CampaignDraft{} : draft_of(used, options, context);
   std::ranges::move(others, std::back_inserter(draft.runs));
   if (!unlisted.empty())

@@ -222,7 +222,7 @@ std::string_view trimmed(std::string_view text, const char* around = " \t\r\"") 
 
 std::string as_utf8(const std::filesystem::path& path, std::string text) {
   if (text.starts_with("PK\x03\x04") || text.starts_with("\xd0\xcf\x11\xe0"))
-    throw InvalidInput(fmt::format("{}: is a spreadsheet, not a text; save it as CSV", path.string()));
+    throw InvalidInput("{}: is a spreadsheet, not a text; save it as CSV", path.string());
   const bool ascii =
       std::accumulate(text.begin(), text.end(), 0, [](int all, char c) { return all | c; }) >= 0;
   const bool little = text.starts_with("\xff\xfe");
@@ -234,13 +234,13 @@ std::string as_utf8(const std::filesystem::path& path, std::string text) {
     text = boost::locale::conv::utf_to_utf<char>(units);
   }
   if (text.find('\0') != text.npos || text.starts_with('\x80'))
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: is no table but a binary file{}", path.string(),
         path.extension() == ".npy" || path.extension() == ".pkl"
             ? ": write one of pyidi's points as text, with d = displacements[point]: "
               "numpy.savetxt(\"x.csv\", numpy.c_[numpy.arange(len(d)), d[:, 1], d[:, 0]], delimiter=\",\", "
               "header=\"frame,x_px,y_px\", comments=\"\")"
-            : "; if it is a recording, give it as `video`, or `tribotrack track` makes a track of it"));
+            : "; if it is a recording, give it as `video`, or `tribotrack track` makes a track of it");
   if (!ascii && !encoding_slip(text).empty()) {  // Latin-1, whose bytes are the first of Unicode
     const auto* bytes = reinterpret_cast<const unsigned char*>(text.data());
     text = boost::locale::conv::utf_to_utf<char>(std::u16string(bytes, bytes + text.size()));
@@ -633,14 +633,13 @@ double CsvTable::number(std::string_view cell) const {
 }
 
 void CsvTable::fail(const std::string& what) const {
-  throw InvalidInput(fmt::format("{}: {}", place(), what));
+  throw InvalidInput("{}: {}", place(), what);
 }
 
 void CsvTable::fail(std::string_view cell, const std::string& what) const {
   for (const auto& [text, line] : {std::pair(line_text_, line_), std::pair(header_text_, header_line_)})
     if (!text.empty() && cell.data() >= text.data() && cell.data() <= text.data() + text.size())
-      throw InvalidInput(
-          fmt::format("{}:{}:{}: {}", path_.string(), line, cell.data() - text.data() + 1, what));
+      throw InvalidInput("{}:{}:{}: {}", path_.string(), line, cell.data() - text.data() + 1, what);
   fail(what);
 }
 

@@ -41,8 +41,8 @@ class Hasher {
     errno = 0;
     std::ifstream stream(path, std::ios::binary);
     if (!stream)
-      throw InvalidInput(fmt::format("{}: cannot be read: {}", path.string(),
-                                     vision::with_remedy(errno, "check its name and permissions")));
+      throw InvalidInput("{}: cannot be read: {}", path.string(),
+                         vision::with_remedy(errno, "check its name and permissions"));
     std::error_code not_known;
     const std::uint64_t size = fs::file_size(path, not_known);
     if (not_known || size <= sampling.whole_up_to)
@@ -172,9 +172,9 @@ void InputState::require_unchanged() const {
     const File now = state_of(before.path);
     if (now.size != before.size || now.changed != before.changed)
       throw InvalidInput(
-          fmt::format("{}: changed while it was being read; start again once it is complete (is it still "
-                      "being copied?)",
-                      before.path.string()));
+          "{}: changed while it was being read; start again once it is complete (is it still "
+          "being copied?)",
+          before.path.string());
   }
 }
 
@@ -248,8 +248,8 @@ void require_shallow_keys(std::string_view text, const std::string& name) {
     const char c = text[at];
     if (c == '.' && at > 0 && text[at - 1] != '.') {  // "..." is no key
       if (++dots < kDeepest) continue;
-      throw InvalidInput(fmt::format("{}:{}:{}: a key of more than {} parts; keys here have at most 3", name,
-                                     line, key_begin - line_begin + 1, kDeepest));
+      throw InvalidInput("{}:{}:{}: a key of more than {} parts; keys here have at most 3", name, line,
+                         key_begin - line_begin + 1, kDeepest);
     }
     if (may_stand_in_key(c)) continue;
     dots = 0;
@@ -263,8 +263,8 @@ void require_shallow_keys(std::string_view text, const std::string& name) {
 namespace {
 
 [[noreturn]] void refuse(const std::string& place, std::string_view what) {
-  throw InvalidInput(fmt::format(
-      "{}: is no JSON: {}; correct it, or make the file anew with the command that wrote it", place, what));
+  throw InvalidInput("{}: is no JSON: {}; correct it, or make the file anew with the command that wrote it",
+                     place, what);
 }
 
 /// Of "[json.exception.parse_error.101] parse error at line 2, column 8: syntax error ...".

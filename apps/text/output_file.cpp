@@ -48,22 +48,21 @@ class LastText {
 };
 
 [[noreturn]] void refuse(const fs::path& path, const std::string& why) {
-  throw OutputError(
-      fmt::format("{}: cannot be written: {}; give a path in a folder that exists and is yours to write to",
-                  path.string(), why));
+  throw OutputError("{}: cannot be written: {}; give a path in a folder that exists and is yours to write to",
+                    path.string(), why);
 }
 
 /// Refuses what must never be replaced by a file of ours.
 void require_replaceable(const fs::path& path, Content content) {
   if (path.empty()) throw UsageError("the output file has no name");
   if (is_standard_output(path))
-    throw InvalidInput(
-        fmt::format("{}: this output cannot be written to standard output; give a file name", path.string()));
+    throw InvalidInput("{}: this output cannot be written to standard output; give a file name",
+                       path.string());
   if (content == Content::result && names_a_recording(path))
     throw InvalidInput(
-        fmt::format("{}: cannot be written: {} is the name of a recording or a picture, and "
-                    "the output is none; give another name",
-                    path.string(), path.extension().string()));
+        "{}: cannot be written: {} is the name of a recording or a picture, and "
+        "the output is none; give another name",
+        path.string(), path.extension().string());
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (fs::is_directory(status)) refuse(path, "it is a folder");
@@ -106,12 +105,11 @@ void require_writable(const std::vector<Output>& outputs, const std::vector<fs::
     for (const fs::path& file : files) {
       const std::string identity = identity_of(file);
       if (const auto input = read.find(identity); input != read.end())
-        throw InvalidInput(fmt::format(
-            "{}: is an input of this command and would be overwritten{}; give another output",
-            input->second.string(), file == input->second ? "" : " by the output " + file.string()));
+        throw InvalidInput("{}: is an input of this command and would be overwritten{}; give another output",
+                           input->second.string(),
+                           file == input->second ? "" : " by the output " + file.string());
       if (!written.insert(identity).second)
-        throw InvalidInput(
-            fmt::format("{}: two outputs would be written to it; give each its own name", file.string()));
+        throw InvalidInput("{}: two outputs would be written to it; give each its own name", file.string());
     }
     if (!folders.insert(folder).second) continue;
     try {
@@ -137,9 +135,8 @@ void create_folder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);
   if (error || !fs::is_directory(path))
-    throw InvalidInput(fmt::format("{}: the output folder cannot be created: {}; give one that can",
-                                   path.string(),
-                                   error ? error.message() : "a file of that name is in the way"));
+    throw InvalidInput("{}: the output folder cannot be created: {}; give one that can", path.string(),
+                       error ? error.message() : "a file of that name is in the way");
   require_writable(path / "writable");
 }
 

@@ -57,7 +57,7 @@ struct StrictTable::Node {
   }
   [[noreturn]] void fail(std::string_view key, const std::string& message) const {
     const std::string where = name.empty() ? "" : fmt::format(" in [{}]", name);
-    throw InvalidInput(fmt::format("{}: `{}`{} {}", place(key), key, where, message));
+    throw InvalidInput("{}: `{}`{} {}", place(key), key, where, message);
   }
 
   template <class T>
@@ -111,8 +111,7 @@ std::optional<double> number_in(const toml::node& node) {
 
 std::string toml_text(std::string_view text) {
   if (!encoding_slip(text).empty() && text.find('\0') == text.npos)
-    throw InvalidInput(
-        fmt::format("{}: is no name in UTF-8, as a campaign is written; rename it", printable(text)));
+    throw InvalidInput("{}: is no name in UTF-8, as a campaign is written; rename it", printable(text));
   std::string quoted = "\"";
   for (const char c : text)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F)
@@ -124,9 +123,9 @@ std::string toml_text(std::string_view text) {
 
 std::string toml_value(const Json& value, const std::string& place, int depth) {
   constexpr int kDeepest = 16;  // tables within tables; a campaign has three
-  if (depth > kDeepest) throw InvalidInput(fmt::format("{} is nested too deeply", place));
+  if (depth > kDeepest) throw InvalidInput("{} is nested too deeply", place);
   if (value.is_null() || value.is_binary())
-    throw InvalidInput(fmt::format("{} must be a number, a text, a list or a table", place));
+    throw InvalidInput("{} must be a number, a text, a list or a table", place);
   if (value.is_string()) return toml_text(value.get_ref<const std::string&>());
   if (value.is_number_float()) {
     const std::string number = fmt::format("{}", value.get<double>());
@@ -153,9 +152,7 @@ std::string toml_comment(std::string_view text) {
 
 std::string read_text(const std::filesystem::path& file) {
   constexpr std::size_t kLargest = std::size_t{256} << 20;  // of a campaign's longest fit: some 10 MB
-  const auto refuse = [&](const std::string& why) {
-    throw InvalidInput(fmt::format("{}: {}", file.string(), why));
-  };
+  const auto refuse = [&](const std::string& why) { throw InvalidInput("{}: {}", file.string(), why); };
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status)) refuse("there is no such file; check its name");
@@ -198,8 +195,8 @@ StrictTable StrictTable::parse(std::string_view text, const std::string& name) {
     return StrictTable(std::move(node));
   } catch (const toml::parse_error& error) {
     const toml::source_position at = error.source().begin;
-    throw InvalidInput(fmt::format("{}:{}:{}: {}", name, at.line, at.column,
-                                   toml_slip(text, at.line, at.column, error.description())));
+    throw InvalidInput("{}:{}:{}: {}", name, at.line, at.column,
+                       toml_slip(text, at.line, at.column, error.description()));
   }
 }
 

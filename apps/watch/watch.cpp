@@ -57,8 +57,7 @@ bool opens_whole(const fs::path& path) {
 
 Arrivals::Arrivals(fs::path folder, const Options& options) : folder_(std::move(folder)), options_(options) {
   if (!fs::is_directory(folder_))
-    throw InvalidInput(
-        fmt::format("{}: is not a folder; give the one that the camera writes into", folder_.string()));
+    throw InvalidInput("{}: is not a folder; give the one that the camera writes into", folder_.string());
 }
 
 void Arrivals::look() {
@@ -107,7 +106,7 @@ namespace {
 
 fit::Goal goal_from(const std::string& text) {
   const auto refuse = [&](const std::string& why) {
-    return UsageError(fmt::format("--until: \"{}\" {}; write mu1=1% or phase_lag_rad=0.01", text, why));
+    return UsageError("--until: \"{}\" {}; write mu1=1% or phase_lag_rad=0.01", text, why);
   };
   const auto equals = text.find('=');
   if (equals == std::string::npos) throw refuse("is no goal");
@@ -154,9 +153,8 @@ std::string progress_of(const std::vector<fit::Goal>& goals, const fit::FitResul
 void require_fitted(const std::vector<fit::Goal>& goals, const std::vector<fit::FitParameter>& fitted) {
   for (const fit::Goal& goal : goals)
     if (std::ranges::count(fitted, goal.parameter) == 0)
-      throw UsageError(
-          fmt::format("--until: {} is not fitted; add it to `parameters` in [fit], or take it out",
-                      fit::to_string(goal.parameter)));
+      throw UsageError("--until: {} is not fitted; add it to `parameters` in [fit], or take it out",
+                       fit::to_string(goal.parameter));
 }
 
 namespace {
@@ -182,9 +180,9 @@ GrowingCampaign::GrowingCampaign(const DraftOptions& draft)
   if (fs::exists(file_)) return;
   if (!draft.diameter_mm)
     throw InvalidInput(
-        fmt::format("{}: there is no campaign yet, and its scale is not known: give --disc-diameter-mm, or "
-                    "write one with `tribotrack init {}`",
-                    file_.string(), folder_.string()));
+        "{}: there is no campaign yet, and its scale is not known: give --disc-diameter-mm, or "
+        "write one with `tribotrack init {}`",
+        file_.string(), folder_.string());
   CampaignDraft first;
   take_given(draft, first);
   write_campaign(file_, toml_of(first));

@@ -27,8 +27,7 @@ StrictTable parse_campaign(const std::string& text, const fs::path& file) {
   } catch (const InvalidInput& error) {
     const std::string message = error.what();
     if (message.find("start` is given twice") == std::string::npos) throw;
-    throw InvalidInput(
-        fmt::format("{}: `start` in [fit] {}", message.substr(0, message.find(": ")), kGuessHint));
+    throw InvalidInput("{}: `start` in [fit] {}", message.substr(0, message.find(": ")), kGuessHint);
   }
 }
 
@@ -143,8 +142,8 @@ CampaignRun run_of_part(CampaignRun run, const PartSection& part) {
 void require_known(const Campaign& campaign, const CampaignRun& run, const std::string& name) {
   const std::vector<std::string> names = names_of(campaign.parts);
   if (std::ranges::find(names, name) != names.end()) return;
-  throw InvalidInput(fmt::format("{}: there is no [[part]] named \"{}\"; there are: {}", run.place, name,
-                                 fmt::join(names, ", ")));
+  throw InvalidInput("{}: there is no [[part]] named \"{}\"; there are: {}", run.place, name,
+                     fmt::join(names, ", "));
 }
 
 /// [part], or [[part]] for several. One [[part]] is a [part].
@@ -173,27 +172,26 @@ void check_parts(const Campaign& campaign) {
   if (campaign.parts.empty()) {
     for (const CampaignRun& run : campaign.runs)
       if (!run.parts.empty() || (!run.part.empty() && run.part != campaign.part.name))
-        throw InvalidInput(
-            fmt::format("{}: names a part, but the campaign has no [[part]] of that name", run.place));
+        throw InvalidInput("{}: names a part, but the campaign has no [[part]] of that name", run.place);
     return;
   }
   if (!campaign.data.tables.empty())
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: a table of alpha and v is one part's, and this campaign has {}: give it a campaign of its own",
-        campaign.file.string(), campaign.parts.size()));
+        campaign.file.string(), campaign.parts.size());
   for (const CampaignRun& run : campaign.runs) {
     if (!run.part.empty()) require_known(campaign, run, run.part);
     for (const auto& [name, place] : run.parts) require_known(campaign, run, name);
     if (!run.part.empty() || !run.parts.empty()) continue;
     const bool placed = std::ranges::all_of(campaign.parts, is_given, &PartSection::target);
     if (!run.video || !placed || is_given(run.target))
-      throw InvalidInput(fmt::format(
+      throw InvalidInput(
           "{}: run \"{}\": does not say where each part lies; give parts = {{ {} = [X, Y, R] }} ([X, Y, "
           "WIDTH, "
           "HEIGHT] for a part of any shape), or part = \"{}\" where it shows one; `tribotrack probe VIDEO "
           "--picture FIRST.png` shows what lies where",
           run.place, run.name, fmt::join(names_of(campaign.parts), " = [X, Y, R], "),
-          campaign.parts.front().name));
+          campaign.parts.front().name);
   }
 }
 
@@ -227,10 +225,10 @@ Campaign campaign_in(StrictTable top, const fs::path& file, const Input& input, 
   check_exact(campaign, top);
   note_gravity(campaign);
   if (campaign.runs.empty() && runs == Runs::required)
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: has no [[run]]; add one for each recording, or have them written by `tribotrack "
         "init DIR --from RECORDINGS`, or name a table of alpha and v, [data] table = \"alpha_v.csv\"",
-        file.string()));
+        file.string());
   require_all_parameters(campaign, top);
   name_runs(campaign.runs);
   check_hold_out(campaign, top);
@@ -274,21 +272,21 @@ std::vector<fs::path> Campaign::input_files(const std::vector<CampaignRun>& of) 
 
 fs::path campaign_file(const fs::path& given) {
   if (given == "-" || given == "/dev/stdin" || given == "/dev/fd/0" || given == "/proc/self/fd/0")
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: a campaign is not read from standard input: what it names lies relative to its file; give "
         "a file",
-        given.string()));
+        given.string());
   if (given.extension() == ".csv" && fs::is_regular_file(given))
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: is a table, not a campaign; write a campaign with [platform] and, if it holds alpha and v, "
         "[data] table = \"{}\", or, if it is a track, a [[run]] with track = \"{}\"",
-        given.string(), given.filename().string(), given.filename().string()));
+        given.string(), given.filename().string(), given.filename().string());
   if (!fs::is_directory(given)) return given;
   if (fs::exists(given / "campaign.toml")) return given / "campaign.toml";
-  throw InvalidInput(fmt::format(
+  throw InvalidInput(
       "{}: is a folder without a campaign.toml; write one there with `tribotrack init {}` and name its "
       "recordings in it",
-      given.string(), given.string()));
+      given.string(), given.string());
 }
 
 fs::path output_of(const fs::path& campaign) {
@@ -308,8 +306,8 @@ std::vector<Campaign> campaigns_by_part(const Campaign& campaign) {
     for (const CampaignRun& run : campaign.runs)
       if (shows(run, part)) one.runs.push_back(run_of_part(run, part));
     if (one.runs.empty())
-      throw InvalidInput(fmt::format("{}: no [[run]] shows the part \"{}\"; take it out, or add one",
-                                     campaign.file.string(), part.name));
+      throw InvalidInput("{}: no [[run]] shows the part \"{}\"; take it out, or add one",
+                         campaign.file.string(), part.name);
     campaigns.push_back(std::move(one));
   }
   return campaigns;

@@ -54,12 +54,12 @@ bool same_point(const CampaignRun& a, const CampaignRun& b) {
   };
   add(line.alpha_sd.has_value(), "alpha", "alpha_sd_deg", "alpha_sd_rad = \"2deg\"");
   add(line.v_sd.has_value(), "v", "v_sd_mm_s", "v_sd_mm_s = 0.1");
-  throw InvalidInput(fmt::format(
+  throw InvalidInput(
       "{}: nothing says how good its {} {}: {}; fill in {}, or give the sd of all lines once, [data] {}",
       line.place, fmt::join(unknown, " and "), unknown.size() > 1 ? "are" : "is",
       pooled.along.dof + pooled.across.dof == 0 ? "it has no sd and no point of the table is measured twice"
                                                 : "it has no sd and the repeats do not differ",
-      fmt::join(columns, " and "), fmt::join(keys, ", ")));
+      fmt::join(columns, " and "), fmt::join(keys, ", "));
 }
 
 using Points = std::vector<std::vector<std::size_t>>;  ///< the lines of each
@@ -272,7 +272,7 @@ CampaignRun run_of(const RunList::Line& line, const Campaign& campaign, bool wit
 /// A table that the campaign names, with its hash and a note of what is not used of it.
 RunList listed(const fs::path& path, Campaign& campaign, const std::vector<std::string>& only) {
   if (!fs::is_regular_file(path))
-    throw InvalidInput(fmt::format("{}: there is no such table; check [data]", path.string()));
+    throw InvalidInput("{}: there is no such table; check [data]", path.string());
   std::string text = read_text(path);
   campaign.table_inputs.push_back(hashed_input(path, text));
   RunList list = read_run_list(path, std::move(text), only);
@@ -316,7 +316,7 @@ std::vector<CampaignRun> lines_of(Campaign& campaign) {
       runs.push_back(run_of(line, campaign, /*with_sds=*/false));
     }
     if (runs.size() == before)
-      throw InvalidInput(fmt::format("{}: has no line of numbers under its header", path.string()));
+      throw InvalidInput("{}: has no line of numbers under its header", path.string());
   }
   for (CampaignRun& run : runs) {
     if (!run.alpha_sd) run.alpha_sd = campaign.data.alpha_sd;
@@ -334,9 +334,9 @@ RunList read_run_list(const fs::path& path, std::string text, const std::vector<
   });
   if (table.header().empty())
     throw InvalidInput(
-        fmt::format("{}: no line names its columns: {}; a table of runs has the columns video (or track), "
-                    "phi_deg and dtau_deg, one of alpha and v phi_deg, dtau_deg, alpha_deg and v_mm_s",
-                    path.string(), table.holds()));
+        "{}: no line names its columns: {}; a table of runs has the columns video (or track), "
+        "phi_deg and dtau_deg, one of alpha and v phi_deg, dtau_deg, alpha_deg and v_mm_s",
+        path.string(), table.holds());
   RunList list;
   const std::vector<RunColumn> columns = columns_of(table, only);
   for (std::size_t k = 0; k < columns.size(); ++k) {

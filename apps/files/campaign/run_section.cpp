@@ -65,19 +65,18 @@ void check_source(const StrictTable& table, const CampaignRun& run, bool with_sd
   const bool any_summary = run.alpha || run.alpha_sd || run.v || run.v_sd;
   const bool whole_summary = run.alpha && run.v && (!with_sds || (run.alpha_sd && run.v_sd));
   if (run.has_track() && any_summary)
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: a run has either a video (or track) or alpha_rad, v_mm_s measured elsewhere, not both",
-        run.place));
+        run.place);
   if (!run.has_track() && !whole_summary)
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: a run needs `video` or `track`, or all of alpha_rad, alpha_sd_rad, v_mm_s, v_sd_mm_s",
-        run.place));
+        run.place);
   if (!run.has_track() && run.free_slide)
-    throw InvalidInput(
-        fmt::format("{}: a free slide needs `video` or `track`: mu1 comes from its whole track", run.place));
+    throw InvalidInput("{}: a free slide needs `video` or `track`: mu1 comes from its whole track",
+                       run.place);
   if (!run.free_slide && (!table.has("phi_rad") || !table.has("dtau_rad")))
-    throw InvalidInput(
-        fmt::format("{}: a run needs `phi_rad` and `dtau_rad` (or kind = \"free_slide\")", run.place));
+    throw InvalidInput("{}: a run needs `phi_rad` and `dtau_rad` (or kind = \"free_slide\")", run.place);
 }
 
 /// What the campaign's other keys say of a run's track.
@@ -226,15 +225,15 @@ void require_scale(const Campaign& campaign, const CampaignRun& run) {
       run.mm_per_px || campaign.camera.mm_per_px || campaign.camera.calibration || campaign.camera.tag_mm;
   const vision::Target& target = is_given(run.target) ? run.target : campaign.camera.target;
   if (run.video && !scale_given && target.kind == vision::Target::Kind::rectangle)
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: a part that is followed by template_px has no diameter to scale by: give `mm_per_px` or "
         "`calibration` in [camera]",
-        run.place));
+        run.place);
   if (run.video && !scale_given && !campaign.part.diameter_mm)
     throw InvalidInput(
-        fmt::format("{}: the size of a pixel is not known; give `diameter_mm` in [part], or `mm_per_px` or "
-                    "`calibration` in [camera]",
-                    run.place));
+        "{}: the size of a pixel is not known; give `diameter_mm` in [part], or `mm_per_px` or "
+        "`calibration` in [camera]",
+        run.place);
 }
 
 void name_runs(std::vector<CampaignRun>& runs) {
@@ -242,15 +241,14 @@ void name_runs(std::vector<CampaignRun>& runs) {
   std::set<std::string> taken;
   for (const CampaignRun& run : runs)
     if (!run.name.empty() && !taken.insert(run.name).second)
-      throw InvalidInput(fmt::format("{}: the name \"{}\" is taken by an earlier run", run.place, run.name));
+      throw InvalidInput("{}: the name \"{}\" is taken by an earlier run", run.place, run.name);
   for (std::size_t k = 0; k < runs.size(); ++k) {
     CampaignRun& run = runs[k];
     if (run.name.find('/') != std::string::npos || run.name == "." || run.name == "..")
-      throw InvalidInput(fmt::format("{}: the name \"{}\" cannot be a folder's name", run.place, run.name));
+      throw InvalidInput("{}: the name \"{}\" cannot be a folder's name", run.place, run.name);
     if (std::ranges::any_of(run.name, controls))
-      throw InvalidInput(
-          fmt::format("{}: the name \"{}\" holds a control character; results bear it: take it out",
-                      run.place, printable(run.name)));
+      throw InvalidInput("{}: the name \"{}\" holds a control character; results bear it: take it out",
+                         run.place, printable(run.name));
     if (!run.name.empty()) continue;
     std::string base = run.video   ? run.video->stem().string()
                        : run.track ? run.track->stem().string()

@@ -104,9 +104,9 @@ class HeaderReader {
     for (const Cells& cells : table_.above()) look_at_settings(cells);
     if (table_.header().empty()) {
       if (tektronix_tds()) return header_;
-      throw InvalidInput(fmt::format(
+      throw InvalidInput(
           "{}: is not a known oscilloscope layout: no line above numbers names a time and a channel: {}; {}",
-          table_.path().string(), table_.holds(), kScopeLayouts));
+          table_.path().string(), table_.holds(), kScopeLayouts);
     }
     if (!by_settings()) by_time();
     return header_;
@@ -235,8 +235,8 @@ void require_even(const CsvTable& table, const std::vector<double>& times, doubl
   std::vector<double> steps;
   for (std::size_t k = 1; k < times.size(); ++k) {
     if (times[k] < times[k - 1])
-      throw InvalidInput(fmt::format("{}: its times go back at sample {}; export the trace again",
-                                     table.path().string(), k + 1));
+      throw InvalidInput("{}: its times go back at sample {}; export the trace again", table.path().string(),
+                         k + 1);
     if (times[k] > times[k - 1]) steps.push_back(times[k] - times[k - 1]);
   }
   if (steps.empty()) return;
@@ -246,9 +246,9 @@ void require_even(const CsvTable& table, const std::vector<double>& times, doubl
   const double allowed = kSlack * std::max(*rare, increment);
   for (std::size_t k = 0; k < times.size(); ++k)
     if (std::abs(times[k] - start - increment * static_cast<double>(k)) > allowed)
-      throw InvalidInput(fmt::format(
+      throw InvalidInput(
           "{}: its samples are not evenly spaced (sample {} is {:.3g} s off); export one gapless trace",
-          table.path().string(), k + 1, times[k] - start - increment * static_cast<double>(k)));
+          table.path().string(), k + 1, times[k] - start - increment * static_cast<double>(k));
 }
 
 /// Start and increment from the printed times; the interval of the settings has all digits, where it is that
@@ -273,7 +273,7 @@ bool may_be_trace(const std::filesystem::path& path) {
 
 ScopeFile read_scope_file(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path))
-    throw InvalidInput(fmt::format("{}: there is no such oscilloscope file; check `scope`", path.string()));
+    throw InvalidInput("{}: there is no such oscilloscope file; check `scope`", path.string());
   std::string text = read_text(path);
   ScopeFile file;
   file.input = hashed_input(path, text);
@@ -308,11 +308,11 @@ void add_channels(const ScopeFile& second, ScopeFile& first) {
   if (samples(second) != samples(first) || apart > 0.5 * first.increment_s ||
       std::abs(second.increment_s / first.increment_s - 1) * static_cast<double>(samples(first)) > 0.5)
     throw InvalidInput(
-        fmt::format("{}: is not of the same trace as {}: {} samples from {:.6g} s every {:.6g} s, and {} "
-                    "from {:.6g} s every "
-                    "{:.6g} s; name the files of one acquisition",
-                    second.input.path.string(), first.input.path.string(), samples(second), second.start_s,
-                    second.increment_s, samples(first), first.start_s, first.increment_s));
+        "{}: is not of the same trace as {}: {} samples from {:.6g} s every {:.6g} s, and {} "
+        "from {:.6g} s every "
+        "{:.6g} s; name the files of one acquisition",
+        second.input.path.string(), first.input.path.string(), samples(second), second.start_s,
+        second.increment_s, samples(first), first.start_s, first.increment_s);
   first.names.insert(first.names.end(), second.names.begin(), second.names.end());
   first.channels.insert(first.channels.end(), second.channels.begin(), second.channels.end());
 }

@@ -257,8 +257,8 @@ TrackColumns read_track_columns(const CsvTable& table) {
   }
   columns.points = points.whole();
   if (columns.points.empty())
-    throw InvalidInput(fmt::format("{}: is not a track: no line above its numbers names an x and a y: {}; {}",
-                                   table.path().string(), table.holds(), kTrackLayouts));
+    throw InvalidInput("{}: is not a track: no line above its numbers names an x and a y: {}; {}",
+                       table.path().string(), table.holds(), kTrackLayouts);
   const bool named_above =
       std::ranges::any_of(table.above_header(), [](std::string_view cell) { return !cell.empty(); });
   if (take_dice(table.header(), columns)) return columns;

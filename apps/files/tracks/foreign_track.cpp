@@ -49,9 +49,8 @@ double interval_of(const std::filesystem::path& path, const std::vector<double>&
   for (std::size_t k = 1; k < time.size(); ++k) steps.push_back(time[k] - time[k - 1]);
   double step = median_of(steps);
   if (!(time.back() - time.front() < kMostFrames * step))
-    throw InvalidInput(
-        fmt::format("{}: its times are no times of frames: most are {:.3g} s apart, all of them {:.3g} s",
-                    path.string(), step, time.back() - time.front()));
+    throw InvalidInput("{}: its times are no times of frames: most are {:.3g} s apart, all of them {:.3g} s",
+                       path.string(), step, time.back() - time.front());
   // Rounded times have few values of step: count frames with an ever better one.
   constexpr double kFirst = 8, kFurther = 1.5;
   const double whole = time.back() - time.front();
@@ -105,9 +104,9 @@ Clock clock_of(const std::filesystem::path& path, const PointSamples& samples, c
     return clock;
   }
   if (!times)
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: has no times; give the rate at which its frames were taken, frame_rate_hz in [camera] (--fps)",
-        path.string()));
+        path.string());
   clock.time = samples.time;
   const double step = interval_of(path, samples.time);
   const std::vector<std::int64_t> numbers = numbered_by(samples.time, step);
@@ -147,8 +146,8 @@ Scale scale_of(const CsvTable& table, const TrackColumns& columns, const TrackRe
     return scale;
   }
   if (!reading.mm_per_px)
-    throw InvalidInput(fmt::format("{}: is in pixels; give mm_per_px in the run or in [camera] (--mm-per-px)",
-                                   table.path().string()));
+    throw InvalidInput("{}: is in pixels; give mm_per_px in the run or in [camera] (--mm-per-px)",
+                       table.path().string());
   scale.pixels = true;
   scale.mm = *reading.mm_per_px;
   return scale;
@@ -189,10 +188,10 @@ Noise noise_of(const CsvTable& table, const PointSamples& samples, const std::ve
   const auto estimate = fit::point_noise(seen, positions);
   if (!estimate)
     throw InvalidInput(
-        fmt::format("{}: has no standard deviations, and with {} points that follow each other too few to "
-                    "estimate them; add "
-                    "the columns x_sd_mm and y_sd_mm",
-                    table.path().string(), positions.size()));
+        "{}: has no standard deviations, and with {} points that follow each other too few to "
+        "estimate them; add "
+        "the columns x_sd_mm and y_sd_mm",
+        table.path().string(), positions.size());
   noise.estimated = true;
   // Rounding is the least error there is.
   noise.estimate = estimate->sd.cwiseMax(kUniform * samples.step);
@@ -252,18 +251,18 @@ ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string t
   PartAndMark points = read_points(table, columns, reading);
   if (!reading.frame.empty() && !reading.mark.empty())
     throw InvalidInput(
-        fmt::format("{}: track_mark takes the platform's motion out of the positions, and track_frame = "
-                    "\"{}\" says that they "
-                    "stay as they are; give one of them",
-                    path.string(), reading.frame));
+        "{}: track_mark takes the platform's motion out of the positions, and track_frame = "
+        "\"{}\" says that they "
+        "stay as they are; give one of them",
+        path.string(), reading.frame);
   if (!reading.frame.empty()) points.mark.reset();
   if (points.mark && points.mark->unit != points.part.unit)
-    throw InvalidInput(fmt::format("{}: part and mark are in different units, {} and {}", path.string(),
-                                   points.part.unit, points.mark->unit));
+    throw InvalidInput("{}: part and mark are in different units, {} and {}", path.string(), points.part.unit,
+                       points.mark->unit);
   if (points.part.unit != header_unit)
-    throw InvalidInput(fmt::format("{}: its points are in different units", path.string()));
+    throw InvalidInput("{}: its points are in different units", path.string());
   if (points.part.frame.size() < 2)
-    throw InvalidInput(fmt::format("{}: holds fewer than two rows of numbers", path.string()));
+    throw InvalidInput("{}: holds fewer than two rows of numbers", path.string());
   const Clock clock = clock_of(path, points.part, reading, columns.frame.has_value());
   const Noise part = noise_of(table, points.part, clock.frame);
   std::optional<Noise> mark;
@@ -273,8 +272,7 @@ ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string t
   const vision::PlaneGeometry geometry(vision::given_scale(scale.mm), vision::ScalePlane::platform, {});
   track.rows = track_rows(followed(points, up, clock, part, mark, reading), geometry, reading.xi_axis_rad,
                           scale.pixels);
-  if (track.rows.rows.empty())
-    throw InvalidInput(fmt::format("{}: no row lies within `frames`", path.string()));
+  if (track.rows.rows.empty()) throw InvalidInput("{}: no row lies within `frames`", path.string());
   const bool of_platform = points.mark || reading.frame == "platform";
   const std::string read_as =
       fmt::format("read as {} (x, y in {}, y {}{}{}); {}",

@@ -166,16 +166,16 @@ void require_order(const CsvTable& table, const PointSamples& samples) {
 
 [[noreturn]] void ask_which(const CsvTable& table, const std::vector<std::string>& names) {
   throw InvalidInput(
-      fmt::format("{}: holds {} points: {}; say which is the part, track_point = \"{}\" in the run "
-                  "(--track-point), and, where "
-                  "one is fixed to the platform, track_mark = \"NAME\"",
-                  table.path().string(), names.size(), fmt::join(names, ", "), names.front()));
+      "{}: holds {} points: {}; say which is the part, track_point = \"{}\" in the run "
+      "(--track-point), and, where "
+      "one is fixed to the platform, track_mark = \"NAME\"",
+      table.path().string(), names.size(), fmt::join(names, ", "), names.front());
 }
 
 [[noreturn]] void refuse_name(const CsvTable& table, const char* key, const std::string& name,
                               const std::vector<std::string>& names) {
-  throw InvalidInput(fmt::format("{}: there is no point \"{}\" ({}); it holds {}", table.path().string(),
-                                 name, key, fmt::join(names, ", ")));
+  throw InvalidInput("{}: there is no point \"{}\" ({}); it holds {}", table.path().string(), name, key,
+                     fmt::join(names, ", "));
 }
 
 /// Which of these names is the part, and which the mark, if any.
@@ -196,9 +196,9 @@ std::pair<std::size_t, std::optional<std::size_t>> choose(const CsvTable& table,
     const std::size_t part = named("track_point", reading.point);
     if (mark && *mark == part)
       throw InvalidInput(
-          fmt::format("{}: \"{}\" is named as part and as mark; the part moves on the platform, the "
-                      "mark with it",
-                      table.path().string(), names[part]));
+          "{}: \"{}\" is named as part and as mark; the part moves on the platform, the "
+          "mark with it",
+          table.path().string(), names[part]);
     return {part, mark};
   }
   std::vector<std::size_t> others;

@@ -268,19 +268,17 @@ std::vector<std::string> pooled_by_cause(const std::vector<std::string>& sentenc
 
 ReportData collect(const RunFolder& folder, long most_steps) {
   if (fs::exists(folder.root) && !fs::is_directory(folder.root))
-    throw InvalidInput(
-        fmt::format("{}: is not a folder; name the one that `tribotrack run CAMPAIGN.toml -o DIR` filled",
-                    folder.root.string()));
+    throw InvalidInput("{}: is not a folder; name the one that `tribotrack run CAMPAIGN.toml -o DIR` filled",
+                       folder.root.string());
   if (!fs::exists(folder.fit()))
-    throw InvalidInput(
-        fmt::format("{}: holds no fit.json; make one with `tribotrack run CAMPAIGN.toml -o {}`",
-                    folder.root.string(), folder.root.string()));
+    throw InvalidInput("{}: holds no fit.json; make one with `tribotrack run CAMPAIGN.toml -o {}`",
+                       folder.root.string(), folder.root.string());
   const fs::path meta_file = folder.fit().string() + ".meta.json";
   if (!fs::exists(meta_file))
     throw InvalidInput(
-        fmt::format("{}: is missing, and with it the campaign's configuration; run it again: `tribotrack run "
-                    "CAMPAIGN.toml -o {}`",
-                    meta_file.string(), folder.root.string()));
+        "{}: is missing, and with it the campaign's configuration; run it again: `tribotrack run "
+        "CAMPAIGN.toml -o {}`",
+        meta_file.string(), folder.root.string());
   const Json meta = read_json(meta_file);
   ReportData data;
   reading(folder.fit(), [&] { read_fit(read_json(folder.fit()), data); });
