@@ -136,14 +136,11 @@ void add_bench(CLI::App& app, Context& context) {
       })
       ->check(one_of({"model", "vision", "fit", "coverage", "all"}))
       ->required();
-  command
-      .add_option(
-          "-o,--output", options->output,
-          "Folder for bench_model.csv, bench_model_extremes.csv, bench_model_plan.csv, bench_vision.csv, "
-          "bench_fit.csv, bench_fit_coverage.csv, bench.html (all of it on one page, who wins where on "
-          "top, with figures of error against run time) and bench.json (CPU, compiler flags, how the "
-          "references were made, solvers this build lacks)")
-      ->type_name("DIR")
+  add_option(command, "-o,--output", options->output, "DIR",
+             "Folder for bench_model.csv, bench_model_extremes.csv, bench_model_plan.csv, bench_vision.csv, "
+             "bench_fit.csv, bench_fit_coverage.csv, bench.html (all of it on one page, who wins where on "
+             "top, with figures of error against run time) and bench.json (CPU, compiler flags, how the "
+             "references were made, solvers this build lacks)")
       ->required();
   command
       .add_option(
@@ -208,11 +205,9 @@ void add_paper(CLI::App& app, Context& context) {
   auto output = std::make_shared<std::string>();
   CLI::App& command = *app.add_subcommand(
       "paper", "The source paper's figures and claims, computed again: one page with a verdict on each");
-  command
-      .add_option("-o,--output", *output,
-                  "Folder for paper.html (self-contained: figures 3 to 7 and the model's side of 9 to 11, "
-                  "beside each what the paper claims, what is found and the verdict) and claims.csv")
-      ->type_name("DIR")
+  add_option(command, "-o,--output", *output, "DIR",
+             "Folder for paper.html (self-contained: figures 3 to 7 and the model's side of 9 to 11, "
+             "beside each what the paper claims, what is found and the verdict) and claims.csv")
       ->required();
   auto json = std::make_shared<bool>(false);
   command.add_flag("--json", *json, "Print claims and verdicts as one JSON object");

@@ -54,25 +54,17 @@ void add_run(CLI::App& app, Context& context) {
   auto options = std::make_shared<RunOptions>();
   CLI::App& command = *app.add_subcommand(
       "run", "Run the whole pipeline on a campaign: track, measure, fit, report; resumes");
-  command.add_option("CAMPAIGN", options->campaign, "The campaign file")
-      ->type_name("CAMPAIGN.toml")
-      ->required();
-  command
-      .add_option("-o,--output", options->output,
-                  "Folder for tracks, fit.json and report.html (default: CAMPAIGN-out, beside the campaign)")
-      ->type_name("DIR");
-  command
-      .add_option("--part", options->part,
-                  "Only this one of the campaign's several [[part]] (default: each, into DIR/NAME)")
-      ->type_name("NAME");
+  add_option(command, "CAMPAIGN", options->campaign, "CAMPAIGN.toml", "The campaign file")->required();
+  add_option(command, "-o,--output", options->output, "DIR",
+             "Folder for tracks, fit.json and report.html (default: CAMPAIGN-out, beside the campaign)");
+  add_option(command, "--part", options->part, "NAME",
+             "Only this one of the campaign's several [[part]] (default: each, into DIR/NAME)");
   command.add_flag("--dry-run", options->dry_run, "Print what would be done, and stop");
   command.add_flag("--explain", options->explain, "Print the whole fit report, and what was left out");
-  command
-      .add_option("--emit", options->emit,
-                  "Instead of doing the work, write it into DIR as jobs for a workflow engine, which spreads "
-                  "them over a cluster: a Snakefile, and a profile for Slurm")
-      ->check(one_of({"snakemake"}))
-      ->type_name("snakemake");
+  add_option(command, "--emit", options->emit, "snakemake",
+             "Instead of doing the work, write it into DIR as jobs for a workflow engine, which spreads "
+             "them over a cluster: a Snakefile, and a profile for Slurm")
+      ->check(one_of({"snakemake"}));
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.add_flag("--wait", options->wait, "Wait while another run is writing into DIR (default: refuse)");
   add_common(command, context, std::string("  tribotrack run data/example/campaign.toml") + kOfSds);
@@ -139,42 +131,27 @@ void fit_command(const FitCommandOptions& options, Context& context) {
 void add_fit(CLI::App& app, Context& context) {
   auto options = std::make_shared<FitCommandOptions>();
   CLI::App& command = *app.add_subcommand("fit", "Fit mu1, mu2 and the phase lag to the runs of a campaign");
-  command.add_option("CAMPAIGN", options->campaign, "The campaign file")
-      ->type_name("CAMPAIGN.toml")
-      ->required();
-  command.add_option("-o,--output", options->output, "The result")
-      ->type_name("fit.json")
-      ->required(!context.called);
-  command
-      .add_option("--tracks", options->choices.tracks,
-                  "Folder with the runs' tracks, NAME.csv (DIR/tracks of `run`); without it the videos are "
-                  "tracked now")
-      ->type_name("DIR");
-  command.add_option("--part", options->part, "Which of the campaign's several [[part]]")->type_name("NAME");
-  command
-      .add_option("--measurements", options->choices.measurements,
-                  "Also write what was measured in each run's track, NAME.json (DIR/measurements of `run`)")
-      ->type_name("DIR");
+  add_option(command, "CAMPAIGN", options->campaign, "CAMPAIGN.toml", "The campaign file")->required();
+  add_option(command, "-o,--output", options->output, "fit.json", "The result")->required(!context.called);
+  add_option(command, "--tracks", options->choices.tracks, "DIR",
+             "Folder with the runs' tracks, NAME.csv (DIR/tracks of `run`); without it the videos are "
+             "tracked now");
+  add_option(command, "--part", options->part, "NAME", "Which of the campaign's several [[part]]");
+  add_option(command, "--measurements", options->choices.measurements, "DIR",
+             "Also write what was measured in each run's track, NAME.json (DIR/measurements of `run`)");
   command.add_flag("--require-all", options->require_all, "Every run must be usable (the default)");
-  command
-      .add_option("--allow-missing", options->choices.allow_missing, "Go on when up to N runs are not usable")
-      ->type_name("N")
+  add_option(command, "--allow-missing", options->choices.allow_missing, "N",
+             "Go on when up to N runs are not usable")
       ->check(whole_number(0));
-  command
-      .add_option("--bootstrap", options->choices.fit.bootstrap,
-                  "Also intervals by refitting N simulated campaigns (400 give their ends to about 10 %)")
-      ->type_name("N")
+  add_option(command, "--bootstrap", options->choices.fit.bootstrap, "N",
+             "Also intervals by refitting N simulated campaigns (400 give their ends to about 10 %)")
       ->check(whole_number(20, 1'000'000));
-  command
-      .add_option("--seed", options->choices.fit.bootstrap_seed,
-                  "Seed of the bootstrap; recorded in the result")
-      ->type_name("N");
-  command
-      .add_option("--loss", options->choices.loss,
-                  "squares (default) or huber: outlying displacements are down-weighted; what that means for "
-                  "the intervals is printed with them")
-      ->check(one_of(losses()))
-      ->type_name("LOSS");
+  add_option(command, "--seed", options->choices.fit.bootstrap_seed, "N",
+             "Seed of the bootstrap; recorded in the result");
+  add_option(command, "--loss", options->choices.loss, "LOSS",
+             "squares (default) or huber: outlying displacements are down-weighted; what that means for "
+             "the intervals is printed with them")
+      ->check(one_of(losses()));
   command.add_flag("--compare-models", options->choices.fit.rivals,
                    "Refit under each explanation (tilt, laws of friction, ...) even where the residuals give "
                    "no reason to");
@@ -259,20 +236,14 @@ void add_report(CLI::App& app, Context& context) {
   CLI::App& command =
       *app.add_subcommand("report", "One self-contained HTML page from the folder of a `run`");
   command.add_option("DIR", *folder, "Folder that `tribotrack run` has filled")->required();
-  command
-      .add_option("-o,--output", *output, "The page; it is self-contained and loads nothing from elsewhere")
-      ->type_name("report.html");
-  command
-      .add_option(
-          "--figures", *figures,
-          "Folder for alpha and v against phi and dtau and for the residuals as SVG and PDF, 84 and "
-          "174 mm wide, drawn by matplotlib (Debian's python3-matplotlib), with runs.csv and the script "
-          "that drew them from it")
-      ->type_name("DIR");
-  command
-      .add_option("--tables", *tables,
-                  "Folder for runs.csv, parameters.csv and report.txt (DIR itself: where `run` has them)")
-      ->type_name("DIR");
+  add_option(command, "-o,--output", *output, "report.html",
+             "The page; it is self-contained and loads nothing from elsewhere");
+  add_option(command, "--figures", *figures, "DIR",
+             "Folder for alpha and v against phi and dtau and for the residuals as SVG and PDF, 84 and "
+             "174 mm wide, drawn by matplotlib (Debian's python3-matplotlib), with runs.csv and the script "
+             "that drew them from it");
+  add_option(command, "--tables", *tables, "DIR",
+             "Folder for runs.csv, parameters.csv and report.txt (DIR itself: where `run` has them)");
   command.add_flag("--json", *json, "Print what was written as one JSON object");
   add_common(command, context,
              "  tribotrack report out -o report.html\n  tribotrack report out --figures figures");

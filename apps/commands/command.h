@@ -16,6 +16,12 @@ void add_options_of_all(CLI::App& command, Context& context);
 /// The same, and the example at the end of --help.
 void add_common(CLI::App& command, Context& context, const std::string& example);
 
+/// Adds an option or an argument whose value is called `type` in the help.
+template <class Value>
+CLI::Option* add_option(CLI::App& command, const std::string& name, Value& value, const char* type,
+                        const std::string& help) {
+  return command.add_option(name, value, help)->type_name(type);
+}
 /// Adds an option that takes an angle in radians: a number or "11pi/9".
 void add_angle(CLI::App& command, const std::string& flag, std::optional<double>& value,
                const std::string& help);

@@ -76,12 +76,10 @@ void add_measure(CLI::App& app, Context& context) {
   CLI::App& command = *app.add_subcommand(
       "measure",
       "Measure one track: its kind of motion; alpha, v and the platform's motion, or mu1 of a free slide");
-  command
-      .add_option(
-          "TRACK", options->track,
-          "A table written by `tribotrack track`, or a track of Tracker, Kinovea, DLTdv, trackpy or another "
-          "program (t_s,x_mm,y_mm)")
-      ->type_name("T.csv")
+  add_option(
+      command, "TRACK", options->track, "T.csv",
+      "A table written by `tribotrack track`, or a track of Tracker, Kinovea, DLTdv, trackpy or another "
+      "program (t_s,x_mm,y_mm)")
       ->required();
   add_number(command, "--omega-rad-s,--angular-frequency-rad-s", options->choices.omega_rad_s,
              "Angular frequency of the platform, where no marker shows it");
@@ -105,7 +103,7 @@ void add_measure(CLI::App& app, Context& context) {
     CLI::Option* option = command.add_option(flag_of(key.name), *word, key.meaning);
     if (!key.kind.words.empty()) option->check(one_of(key.kind.words));
   }
-  command.add_option("-o,--output", options->output, "Write the results as JSON")->type_name("M.json");
+  add_option(command, "-o,--output", options->output, "M.json", "Write the results as JSON");
   command.add_flag("--json", options->json, "Print the results as one JSON object");
   add_common(
       command, context,
@@ -207,19 +205,15 @@ void add_calibrate(CLI::App& app, Context& context) {
                   "folders, patterns "
                   "dir/%05d.png or videos")
       ->required();
-  command.add_option("--plane", options->plane, "A picture of the board lying on the platform")
-      ->type_name("PICTURE")
+  add_option(command, "--plane", options->plane, "PICTURE", "A picture of the board lying on the platform")
       ->required();
-  command.add_option("--squares", options->squares, "Squares of the board, not corners")
-      ->type_name("COLUMNSxROWS")
+  add_option(command, "--squares", options->squares, "COLUMNSxROWS", "Squares of the board, not corners")
       ->required();
   add_number(command, "--square-mm", options->square_mm, "Side of a square");
   command.get_option("--square-mm")->required();
   add_number(command, "--square-sd-mm", options->square_sd_mm,
              "Standard deviation of that side: enters the sd of the scale");
-  command.add_option("-o,--output", options->output, "The calibration")
-      ->type_name("calibration.json")
-      ->required();
+  add_option(command, "-o,--output", options->output, "calibration.json", "The calibration")->required();
   command.add_flag("--json", options->json, "Print it as one JSON object");
   add_common(
       command, context,

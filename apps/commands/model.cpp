@@ -52,11 +52,9 @@ void add_parameters(CLI::App& command, GivenScenario& given) {
     for (const OtherName& other : other_names(parameter.name))
       if (other.factor != 1) add(flag_of(other.name), other.name, "The same by another unit");
   }
-  command
-      .add_option("--start", given.start,
-                  "How it starts: at rest, circling at constant mu1 until the first pulse, or in the steady "
-                  "motion (default rest)")
-      ->type_name("rest|circling|steady");
+  add_option(command, "--start", given.start, "rest|circling|steady",
+             "How it starts: at rest, circling at constant mu1 until the first pulse, or in the steady "
+             "motion (default rest)");
 }
 
 std::string table_of(const model::Trajectory& trajectory, int samples_per_cycle) {
@@ -138,10 +136,8 @@ void add_simulate(CLI::App& app, Context& context) {
   add_parameters(command, options->given);
   add_number(command, "--samples-per-cycle", options->given.samples_per_cycle,
              "Rows of the table per cycle (default 100)");
-  command
-      .add_option("-o,--output", options->output,
-                  "Write the trajectory: time_s,x_mm,y_mm,vx_mm_s,vy_mm_s,mu,state")
-      ->type_name("T.csv");
+  add_option(command, "-o,--output", options->output, "T.csv",
+             "Write the trajectory: time_s,x_mm,y_mm,vx_mm_s,vy_mm_s,mu,state");
   command.add_flag("--json", options->json, "Print the results as one JSON object");
   command.add_flag("--explain", options->explain, "Print which stages this scene needs and what is left out");
   add_common(command, context,
@@ -226,16 +222,12 @@ void add_sweep(CLI::App& app, Context& context) {
   CLI::App& command = *app.add_subcommand("sweep", "alpha and v of the model over one or two parameters");
   command.add_option("SCENARIO", options->given.file,
                      "Scenario file (TOML); the flags override it. Without one: the paper's conditions");
-  command
-      .add_option("--over", options->over,
-                  "NAME=FROM:TO:COUNT or NAME=VALUE,VALUE,..., once or twice; names: " +
-                      fmt::format("{}", fmt::join(scenario_parameter_names(), ", ")))
-      ->type_name("AXIS");
+  add_option(command, "--over", options->over, "AXIS",
+             "NAME=FROM:TO:COUNT or NAME=VALUE,VALUE,..., once or twice; names: " +
+                 fmt::format("{}", fmt::join(scenario_parameter_names(), ", ")));
   add_parameters(command, options->given);
-  command
-      .add_option("-o,--output", options->output,
-                  "Write the table: swept names, alpha_rad, v_mm_s and those of the steady motion")
-      ->type_name("S.csv")
+  add_option(command, "-o,--output", options->output, "S.csv",
+             "Write the table: swept names, alpha_rad, v_mm_s and those of the steady motion")
       ->required(!context.called);
   command.add_flag("--json", options->json, "Print the table as one JSON object, a list for each column");
   add_common(command, context,

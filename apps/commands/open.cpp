@@ -59,13 +59,9 @@ void add_open(CLI::App& app, Context& context) {
   CLI::App& command = *app.add_subcommand(
       "open",
       "A page in the browser for the whole path: recordings, pointing, tracking, checks, fit and report");
-  command
-      .add_option(
-          "FOLDER", options->given,
-          "Folder of recordings, with or without a campaign.toml, or a campaign (default: this folder)")
-      ->type_name("FOLDER|CAMPAIGN.toml");
-  command.add_option("--port", options->port, "Port on 127.0.0.1 (default: a free one)")
-      ->type_name("PORT")
+  add_option(command, "FOLDER", options->given, "FOLDER|CAMPAIGN.toml",
+             "Folder of recordings, with or without a campaign.toml, or a campaign (default: this folder)");
+  add_option(command, "--port", options->port, "PORT", "Port on 127.0.0.1 (default: a free one)")
       ->check(whole_number(1, 65535));
   command.add_flag("--json", options->json, "Print address and folder as one JSON object");
   command.add_flag("--no-browser", options->no_browser, "Print the address only");

@@ -202,17 +202,13 @@ void add_probe(CLI::App& app, Context& context) {
       "oscilloscope's trace: layout, channels, sampling, and the lines of [scope] for it");
   command.add_option("VIDEO", options->video, "The recording, or the trace (.csv, .txt)")->required();
   add_number(command, "--fps", options->fps, "Override the frame rate, to see what follows from it");
-  command
-      .add_option(
-          "--picture", options->picture,
-          "Write the first frame with a pixel grid, its discs numbered, LEDs marked, and print the lines of "
-          "[camera] to paste")
-      ->type_name("F.png");
-  command
-      .add_option(
-          "--page", options->page,
-          "Write a page to point at part, mark and gate LED with the mouse: frames to scrub, lines to copy")
-      ->type_name("F.html");
+  add_option(
+      command, "--picture", options->picture, "F.png",
+      "Write the first frame with a pixel grid, its discs numbered, LEDs marked, and print the lines of "
+      "[camera] to paste");
+  add_option(
+      command, "--page", options->page, "F.html",
+      "Write a page to point at part, mark and gate LED with the mouse: frames to scrub, lines to copy");
   command.add_flag("--json", options->json, "Print one JSON object");
   add_common(command, context,
              "  tribotrack probe phi000.cine --picture first.png\n  tribotrack probe trace.csv");
@@ -278,23 +274,17 @@ void init(const InitOptions& options, const Context& context) {
 void add_init(CLI::App& app, Context& context) {
   auto options = std::make_shared<InitOptions>();
   CLI::App& command = *app.add_subcommand("init", "Write a commented campaign to start from");
-  command
-      .add_option("DIR", options->draft.folder, "Folder to write campaign.toml into; made if it is not there")
-      ->type_name("DIR")
+  add_option(command, "DIR", options->draft.folder, "DIR",
+             "Folder to write campaign.toml into; made if it is not there")
       ->required();
-  command
-      .add_option("--from", options->from,
-                  "Inspect every recording of this folder: one [[run]] each, with part, mark and gate LED "
-                  "found, phi and "
-                  "dtau by the name (phi045_dtau060, 45deg_60deg)")
-      ->type_name("RECORDINGS");
-  command
-      .add_option(
-          "--list", options->list,
-          "A table that says of each recording what its name does not: columns video, phi_deg, dtau_deg "
-          "(or _rad, or the unit in the cells), name, cycles, or any other key of a run; separated by , "
-          "; or tabs, decimal commas too")
-      ->type_name("RUNS.csv")
+  add_option(command, "--from", options->from, "RECORDINGS",
+             "Inspect every recording of this folder: one [[run]] each, with part, mark and gate LED "
+             "found, phi and "
+             "dtau by the name (phi045_dtau060, 45deg_60deg)");
+  add_option(command, "--list", options->list, "RUNS.csv",
+             "A table that says of each recording what its name does not: columns video, phi_deg, dtau_deg "
+             "(or _rad, or the unit in the cells), name, cycles, or any other key of a run; separated by , "
+             "; or tabs, decimal commas too")
       ->needs(command.get_option("--from"));
   add_number(command, "--disc-diameter-mm", options->draft.diameter_mm,
              "The part's diameter, which sets the scale");

@@ -213,20 +213,16 @@ void add_synth(CLI::App& app, Context& context) {
   auto options = std::make_shared<SynthOptions>();
   CLI::App& command =
       *app.add_subcommand("synth", "Render a recording with exactly known truth (VIDEO.truth.csv)");
-  command.add_option("SCENE", options->scene, "Scene file (TOML); with [[shot]] entries, one recording each")
-      ->type_name("SCENE.toml")
+  add_option(command, "SCENE", options->scene, "SCENE.toml",
+             "Scene file (TOML); with [[shot]] entries, one recording each")
       ->required();
-  command
-      .add_option("-o,--output", options->output,
-                  "The recording: .cine, .mkv (FFV1), .avi (MJPEG), .mp4 (H.264), a pattern dir/%05d.png or "
-                  ".tif; with "
-                  "[[shot]] entries a folder")
-      ->type_name("VIDEO")
+  add_option(command, "-o,--output", options->output, "VIDEO",
+             "The recording: .cine, .mkv (FFV1), .avi (MJPEG), .mp4 (H.264), a pattern dir/%05d.png or "
+             ".tif; with "
+             "[[shot]] entries a folder")
       ->required();
-  command
-      .add_option("--extension", options->extension,
-                  "With [[shot]] entries: the recordings' file type (default cine)")
-      ->type_name("EXT");
+  add_option(command, "--extension", options->extension, "EXT",
+             "With [[shot]] entries: the recordings' file type (default cine)");
   command.add_flag("--json", options->json, "Print what was written as one JSON object");
   command.add_flag("--overwrite", options->overwrite, "Replace recordings of these names");
   add_common(command, context, "  tribotrack synth data/example/scene.toml -o recordings");

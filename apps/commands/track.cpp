@@ -276,88 +276,68 @@ void add_track(CLI::App& app, Context& context) {
   command.add_option(
       "INPUT", options->input,
       "Phantom .cine, a video, a multi-page TIFF, a folder of pictures, or a pattern dir/%05d.png");
-  command.add_option("-o,--output", options->output, "The track table")
-      ->type_name("T.csv")
-      ->required(!context.called);
+  add_option(command, "-o,--output", options->output, "T.csv", "The track table")->required(!context.called);
   for (const TrackFlag& flag : kTrackNumbers) {
     const bool angle = std::string_view(flag.flag).ends_with("-rad");
     (angle ? add_angle : add_number)(command, flag.flag, options->numbers[flag.flag], flag.help);
   }
   Json& camera = options->choices.keys["camera"];
-  const auto add = [&command](const char* flag, auto take, const char* help) {
-    return command.add_option_function<std::string>(flag, take, help);
+  const auto add = [&command](const char* flag, const char* type, auto take, const char* help) {
+    command.add_option_function<std::string>(flag, take, help)->type_name(type);
   };
   add(
-      "--fps-reason", [&camera](const std::string& text) { camera["frame_rate_reason"] = text; },
+      "--fps-reason", "TEXT", [&camera](const std::string& text) { camera["frame_rate_reason"] = text; },
       "Source of the frame rate, for the meta file; required if --fps equals the file's "
-      "playback rate")
-      ->type_name("TEXT");
-  command
-      .add_option("--calibration", options->choices.calibration,
-                  "Scale, lens and plane of the platform from `tribotrack calibrate`")
-      ->type_name("FILE");
+      "playback rate");
+  add_option(command, "--calibration", options->choices.calibration, "FILE",
+             "Scale, lens and plane of the platform from `tribotrack calibrate`");
   add(
-      "--disc",
+      "--disc", "X,Y,R",
       [&camera](const std::string& text) { camera["disc_px"] = numbers_of("--disc", text, 3, kCircle); },
       "The disc in the first analysed frame, or where it is first seen there (default: found; "
-      "where several may be it, a picture numbers them)")
-      ->type_name("X,Y,R");
+      "where several may be it, a picture numbers them)");
   add(
-      "--template", [&camera](const std::string& text) { camera["template_px"] = rectangle_of(text); },
-      "Follow this rectangle instead of a disc")
-      ->type_name("X,Y,W,H");
+      "--template", "X,Y,W,H",
+      [&camera](const std::string& text) { camera["template_px"] = rectangle_of(text); },
+      "Follow this rectangle instead of a disc");
   add(
-      "--marker", [&camera](const std::string& text) { set_marker(camera, text); },
+      "--marker", "X,Y,R|auto|texture|none|tag:FAMILY",
+      [&camera](const std::string& text) { set_marker(camera, text); },
       "Mark fixed to the platform: its motion is subtracted. texture: the platform's own, all that is "
       "seen of it; auto: a round mark, else texture. Default: texture where it is seen to move, else "
-      "none. tag:FAMILY[:NUMBER]: an ArUco or AprilTag mark, as tag:4x4_50 or tag:apriltag_36h11:3")
-      ->type_name("X,Y,R|auto|texture|none|tag:FAMILY");
+      "none. tag:FAMILY[:NUMBER]: an ArUco or AprilTag mark, as tag:4x4_50 or tag:apriltag_36h11:3");
   add(
-      "--gate",
+      "--gate", "X,Y,R",
       [&camera](const std::string& text) { camera["gate_px"] = numbers_of("--gate", text, 3, kCircle); },
       "LED that is on while the actuator is: its brightness is recorded, and `measure` finds phi "
-      "and dtau from it")
-      ->type_name("X,Y,R");
+      "and dtau from it");
   add(
-      "--frames", [&choices = options->choices](const std::string& text) { set_frames(choices, text); },
-      "Image numbers of the first and last frame to analyse, both included; every n-th of them")
-      ->type_name("A:B[:STEP]");
-  command
-      .add_option("--layers", options->choices.layers,
-                  "Second pass with the appearance of disc and platform learned from the recording (default "
-                  "auto: for "
-                  "discs, kept where it does better)")
-      ->type_name("auto|on|off");
-  command.add_option("--overlay", options->overlay, "Picture (.png) or video (.mp4) to check the track by")
-      ->type_name("FILE");
-  command
-      .add_option("--first-frame", options->first_frame,
-                  "The first frame in which the part is seen, as a reduced picture (.jpg)")
-      ->type_name("FILE");
-  command
-      .add_option("--debug", options->debug,
-                  "Write a picture of every stage (window, template, weights, prediction, residual; disc, "
-                  "share of the ground, and ground of the second pass) and index.txt into this folder")
-      ->type_name("DIR");
-  command
-      .add_option(
-          "--debug-frames", options->debug_frames,
-          "Image numbers of the frames that --debug shows (default: first, middle, last, and that with "
-          "the largest residual)")
-      ->type_name("N,N,...");
-  command
-      .add_option(
-          "--config", options->choices.config,
-          "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px")
-      ->type_name("C.toml");
+      "--frames", "A:B[:STEP]",
+      [&choices = options->choices](const std::string& text) { set_frames(choices, text); },
+      "Image numbers of the first and last frame to analyse, both included; every n-th of them");
+  add_option(command, "--layers", options->choices.layers, "auto|on|off",
+             "Second pass with the appearance of disc and platform learned from the recording (default "
+             "auto: for "
+             "discs, kept where it does better)");
+  add_option(command, "--overlay", options->overlay, "FILE",
+             "Picture (.png) or video (.mp4) to check the track by");
+  add_option(command, "--first-frame", options->first_frame, "FILE",
+             "The first frame in which the part is seen, as a reduced picture (.jpg)");
+  add_option(command, "--debug", options->debug, "DIR",
+             "Write a picture of every stage (window, template, weights, prediction, residual; disc, "
+             "share of the ground, and ground of the second pass) and index.txt into this folder");
+  add_option(command, "--debug-frames", options->debug_frames, "N,N,...",
+             "Image numbers of the frames that --debug shows (default: first, middle, last, and that with "
+             "the largest residual)");
+  add_option(
+      command, "--config", options->choices.config, "C.toml",
+      "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px");
   CLI::Option* campaign =
-      command
-          .add_option("--campaign", options->campaign,
-                      "With --run: track the recording of one run of this campaign as `run` does, instead of "
-                      "an INPUT; a recording that cannot be used says why in T.log, "
-                      "which `fit --tracks` repeats")
-          ->type_name("CAMPAIGN.toml");
-  command.add_option("--run", options->run, "Name of the run")->type_name("NAME")->needs(campaign);
+      add_option(command, "--campaign", options->campaign, "CAMPAIGN.toml",
+                 "With --run: track the recording of one run of this campaign as `run` does, instead of "
+                 "an INPUT; a recording that cannot be used says why in T.log, "
+                 "which `fit --tracks` repeats");
+  add_option(command, "--run", options->run, "NAME", "Name of the run")->needs(campaign);
   exclude_choices(command, *campaign);
   command.add_flag("--json", options->json, "Print a summary as one JSON object");
   command.add_flag("--explain", options->explain, "Print which stages this scene needed and why");

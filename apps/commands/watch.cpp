@@ -149,20 +149,15 @@ void add_watch(CLI::App& app, Context& context) {
   auto options = std::make_shared<WatchOptions>();
   CLI::App& command = *app.add_subcommand(
       "watch", "Take each recording as it arrives in a folder, refit, and say which run to film next");
-  command
-      .add_option("FOLDER", options->draft.folder,
-                  "Folder that recordings are written into; its campaign.toml gains a [[run]] for each")
-      ->type_name("FOLDER")
+  add_option(command, "FOLDER", options->draft.folder, "FOLDER",
+             "Folder that recordings are written into; its campaign.toml gains a [[run]] for each")
       ->required();
-  command
-      .add_option("-o,--output", options->output, "Folder for tracks, fit.json and report.html, as of `run`")
-      ->type_name("DIR")
+  add_option(command, "-o,--output", options->output, "DIR",
+             "Folder for tracks, fit.json and report.html, as of `run`")
       ->required();
-  command
-      .add_option(
-          "--until", options->until,
-          "End when half the 95 % interval of each is no wider: a share of the value, or a width in its unit")
-      ->type_name("mu1=1%,mu2=3%");
+  add_option(
+      command, "--until", options->until, "mu1=1%,mu2=3%",
+      "End when half the 95 % interval of each is no wider: a share of the value, or a width in its unit");
   add_number(command, "--until-idle-s", options->until_idle_s,
              "End when nothing has arrived for so long, s (default: never)");
   add_number(command, "--disc-diameter-mm", options->draft.diameter_mm,
