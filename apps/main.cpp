@@ -11,7 +11,6 @@
 #include "apps/program/streams.h"
 #include "apps/text/output_file.h"
 #include "fit/measurement.h"
-#include "model/scenario.h"
 #include "model/trajectory.h"
 #include "vision/frame_source.h"
 

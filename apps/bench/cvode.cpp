@@ -5,7 +5,6 @@
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
-#include <memory>
 #include <stdexcept>
 
 #include "apps/bench/equation.h"

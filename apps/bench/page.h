@@ -2,7 +2,6 @@
 // part, then what the figures depend on.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>

@@ -3,7 +3,6 @@
 // count.
 #pragma once
 
-#include <algorithm>
 #include <ctime>
 #include <functional>
 #include <vector>

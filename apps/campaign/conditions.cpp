@@ -7,7 +7,6 @@
 #include <new>
 #include <numbers>
 #include <stdexcept>
-#include <utility>
 
 #include "apps/campaign/shared_conditions.h"
 #include "apps/files/traces/scope_file.h"

@@ -15,7 +15,6 @@
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/text/number_text.h"
-#include "apps/text/output_file.h"
 #include "fit/fit_result_json.h"
 #include "fit/rounding.h"
 

@@ -1,5 +1,4 @@
 // tribotrack measure: alpha, v and whatever else one track shows.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
-#include <numbers>
 
 #include "apps/commands/command.h"
 #include "apps/files/run_folder.h"

@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <numbers>
 #include <numeric>
-#include <utility>
 
 namespace tribotrack::apps {
 

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <numbers>
-
 #include "apps/files/scenario_file.h"
 #include "apps/program/errors.h"
 

@@ -1,7 +1,5 @@
 #include "apps/files/track_file.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <cmath>
 

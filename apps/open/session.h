@@ -8,7 +8,6 @@
 #include <mutex>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "apps/files/campaign/campaign.h"
 #include "apps/open/child.h"

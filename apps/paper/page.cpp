@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "apps/page/page.h"
 #include "apps/page/text.h"

@@ -8,7 +8,6 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>

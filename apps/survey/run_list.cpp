@@ -3,9 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <set>
 
-#include "apps/files/campaign/keys.h"
 #include "apps/program/errors.h"
 #include "apps/survey/campaign_draft.h"
 #include "apps/text/angle.h"

@@ -12,7 +12,6 @@
 #include <fstream>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <string_view>
 
 #include "apps/program/errors.h"

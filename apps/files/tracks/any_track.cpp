@@ -1,10 +1,6 @@
 #include "apps/files/tracks/any_track.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <regex>
 #include <utility>
 
