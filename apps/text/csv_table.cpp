@@ -21,17 +21,6 @@
 
 namespace tribotrack::apps {
 
-namespace {
-
-std::string without_spaces(std::string_view text) {
-  std::string kept;
-  for (const char c : text)
-    if (c != ' ' && c != '\t') kept += c;
-  return kept;
-}
-
-}  // namespace
-
 std::string lower(std::string_view text) {
   std::string kept(text);
   for (char& c : kept)
@@ -48,7 +37,8 @@ std::optional<double> parse_number(std::string_view text) {
 }
 
 std::optional<double> parse_angle(std::string_view text) {
-  const std::string compact = without_spaces(text);
+  std::string compact(text);
+  std::erase_if(compact, [](char c) { return c == ' ' || c == '\t'; });
   if (compact.ends_with("deg")) {
     const auto degrees = parse_number(std::string_view(compact).substr(0, compact.size() - 3));
     return degrees ? std::optional(*degrees * std::numbers::pi / 180) : std::nullopt;
@@ -86,9 +76,7 @@ std::string angle_slip(double radians) {
 std::string csv_cell(const std::string& text) {
   const bool comment = text.find_first_of("#%!/") == 0;  // it would be read as one
   if (!comment && text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string cell = "\"";
-  for (const char c : text) cell += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return cell + "\"";
+  return "\"" + boost::replace_all_copy(text, "\"", "\"\"") + "\"";
 }
 
 namespace {
@@ -172,15 +160,6 @@ bool means_sd(const std::string& word) {
   return std::ranges::find(all, word) != all.end();
 }
 
-std::string joined(std::span<const std::string> words, char between) {
-  std::string text;
-  for (const std::string& word : words) {
-    if (!text.empty()) text += between;
-    text += word;
-  }
-  return text;
-}
-
 }  // namespace
 
 Heading heading_of(std::string_view text) {
@@ -192,13 +171,13 @@ Heading heading_of(std::string_view text) {
   const std::span<const std::string> rest(words);
   std::size_t until = rest.size();
   for (std::size_t from = 1; from < rest.size() && heading.unit.empty(); ++from) {
-    const std::string unit = joined(rest.subspan(from), '/');
+    const std::string unit = fmt::format("{}", fmt::join(rest.subspan(from), "/"));
     if (std::ranges::find(kUnits, unit, &Unit::name) == kUnits.end()) continue;
     heading.unit = unit;
     until = from;
     if (from > 1 && rest[from - 1] == "in") --until;
   }
-  heading.quantity = joined(rest.first(until), '_');
+  heading.quantity = fmt::format("{}", fmt::join(rest.first(until), "_"));
   return heading;
 }
 
