@@ -227,13 +227,10 @@ void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& c
 }
 
 void write_fit(const std::filesystem::path& path, const Campaign& campaign, const FittedCampaign& fitted) {
-  MetaFile meta;
-  meta.command = "fit";
-  meta.inputs = {campaign.input};
+  MetaFile meta{"fit", {campaign.input}, campaign.effective_configuration()};
   meta.inputs.insert(meta.inputs.end(), campaign.table_inputs.begin(), campaign.table_inputs.end());
   for (const Run& run : fitted.runs)
     if (run.failure.empty()) meta.inputs.insert(meta.inputs.end(), run.inputs.begin(), run.inputs.end());
-  meta.configuration = campaign.effective_configuration();
   write_result(path, text_of(fitted.json), meta);
 }
 

@@ -71,10 +71,7 @@ void write_results(const BenchOptions& asked, const Context& context, const benc
   };
   for (const bench::Table& table : tables_of(results)) {
     const fs::path csv = folder / (table.name + ".csv");
-    MetaFile meta;
-    meta.command = "bench";
-    meta.configuration = {{"what", asked.what}, {"quick", asked.quick}};
-    write_result(csv, table.csv(), meta);
+    write_result(csv, table.csv(), {"bench", {}, {{"what", asked.what}, {"quick", asked.quick}}});
     told(csv);
     say(context.quiet, table.text());
   }

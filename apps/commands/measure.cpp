@@ -56,11 +56,7 @@ void measure_command(const MeasureOptions& options, Context& context) {
   if (context.called) {
     context.called->object = result.json;
   } else if (!options.output.empty()) {
-    MetaFile meta;
-    meta.command = "measure";
-    meta.inputs = track.inputs;
-    meta.configuration = result.configuration;
-    write_result(options.output, text_of(result.json), meta);
+    write_result(options.output, text_of(result.json), {"measure", track.inputs, result.configuration});
   }
   if (!is_standard_output(options.output) && !context.called)
     print_text(options.json ? text_of(result.json) : measurement_text(result.json));

@@ -181,20 +181,13 @@ void synth(const SynthOptions& options, const Context& context) {
   for (const SceneShot& shot : shots) videos.push_back(video_of(shot));
   check_recordings(videos, options);
   if (many) create_folder(options.output);
-  const auto write_meta = [&](const SceneShot& shot) {
-    MetaFile meta;
-    meta.command = "synth";
-    meta.inputs = {scene};
-    meta.configuration = json_of(shot);
-    meta.write_beside(video_of(shot));
-  };
   Progress progress("synth", context);
   std::atomic<long> frames = 0;
   parallel_for(shots.size(), threads_to_use(context), [&](std::size_t k) {
     const SceneShot& shot = shots[k];
     render(shot, video_of(shot),
            [&](long total) { progress.update(++frames, total * static_cast<long>(shots.size())); });
-    write_meta(shot);
+    MetaFile{"synth", {scene}, json_of(shot)}.write_beside(video_of(shot));
   });
   if (options.json) {
     Json recordings = Json::array();
