@@ -16,6 +16,10 @@ namespace {
 
 using Mark = vision::MarkerChoice::Kind;
 
+/// Marks that are named by one word.
+constexpr std::pair<const char*, Mark> kMarks[] = {
+    {"auto", Mark::find}, {"texture", Mark::texture}, {"none", Mark::none}};
+
 vision::MarkerChoice tag_named(const std::string& name) {
   vision::MarkerChoice marker{Mark::tag, {}};
   const auto colon = name.find(':');
@@ -34,9 +38,8 @@ vision::MarkerChoice tag_named(const std::string& name) {
 }  // namespace
 
 std::optional<vision::MarkerChoice> marker_named(const std::string& word) {
-  if (word == "auto") return vision::MarkerChoice{Mark::find, {}};
-  if (word == "texture") return vision::MarkerChoice{Mark::texture, {}};
-  if (word == "none") return vision::MarkerChoice{Mark::none, {}};
+  for (const auto& [name, kind] : kMarks)
+    if (word == name) return vision::MarkerChoice{kind, {}};
   if (word.starts_with("tag:")) return tag_named(word.substr(4));
   return std::nullopt;
 }
@@ -113,18 +116,10 @@ void read_marker(StrictTable& table, CameraSection& camera, const fs::path&) {
 }
 
 Json written_marker(const CameraSection& camera) {
-  switch (camera.marker.kind) {
-    case Mark::texture:
-      return "texture";
-    case Mark::find:
-      return "auto";
-    case Mark::none:
-      return "none";
-    case Mark::tag:
-      return tag_word(camera.marker);
-    default:
-      return "texture where the ground moves";
-  }
+  if (camera.marker.kind == Mark::tag) return tag_word(camera.marker);
+  for (const auto& [name, kind] : kMarks)
+    if (camera.marker.kind == kind) return name;
+  return "texture where the ground moves";
 }
 
 }  // namespace

@@ -71,19 +71,8 @@ int only(const std::vector<ChannelLook>& looks, Kind kind) {
   return found;
 }
 
-const char* word_of(Kind kind) {
-  switch (kind) {
-    case Kind::pulses:
-      return "pulses";
-    case Kind::bursts:
-      return "bursts";
-    case Kind::carrier:
-      return "carrier";
-    case Kind::quiet:
-      break;
-  }
-  return "nothing that repeats";
-}
+/// In the order of Kind.
+constexpr const char* kWords[] = {"nothing that repeats", "pulses", "bursts", "carrier"};
 
 std::string lines_to_paste(const std::vector<ChannelLook>& looks) {
   const int sensor = only(looks, Kind::pulses), actuator = only(looks, Kind::bursts);
@@ -118,7 +107,7 @@ Json trace_json(const ScopeFile& trace) {
                                 {"high_v", look.high},
                                 {"min_v", look.least},
                                 {"max_v", look.most},
-                                {"looks_like", word_of(look.kind)},
+                                {"looks_like", kWords[static_cast<int>(look.kind)]},
                                 {"count", look.count},
                                 {"repeat_hz", look.repeat_hz > 0 ? Json(look.repeat_hz) : Json()},
                                 {"carrier_hz", look.carrier_hz > 0 ? Json(look.carrier_hz) : Json()}});

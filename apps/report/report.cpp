@@ -75,20 +75,14 @@ std::string correlation_table(const ReportData& data) {
 }
 
 std::string identifiability_text(const ReportData& data) {
-  std::string html = "<h3>Do the data determine each parameter?</h3>\n<p>";
-  switch (data.fit.identifiability.verdict) {
-    case fit::Verdict::identifiable:
-      html += "Yes: every parameter is determined by these runs.";
-      break;
-    case fit::Verdict::weak:
-      html += "Only weakly: these runs depend little on some combination of the parameters.";
-      break;
-    case fit::Verdict::not_identifiable:
-      html += "<b>No</b>: these runs leave some combination of the parameters undetermined.";
-      break;
-  }
-  html += "</p>\n";
+  constexpr const char* kAnswers[] = {
+      // in the order of fit::Verdict
+      "Yes: every parameter is determined by these runs.",
+      "Only weakly: these runs depend little on some combination of the parameters.",
+      "<b>No</b>: these runs leave some combination of the parameters undetermined."};
   const fit::Identifiability& judged = data.fit.identifiability;
+  std::string html = fmt::format("<h3>Do the data determine each parameter?</h3>\n<p>{}</p>\n",
+                                 kAnswers[static_cast<int>(judged.verdict)]);
   if (!judged.weak_directions.empty()) html += html_list(judged.weak_directions);
   constexpr std::size_t kMostMinima = 3;
   std::vector<std::string> other_minima;

@@ -126,17 +126,11 @@ struct RoleName {
 };
 
 RoleName name_of(vision::DiscRole role) {
-  switch (role) {
-    case vision::DiscRole::part:
-      return {"part", "the part"};
-    case vision::DiscRole::mark:
-      return {"mark", "a mark on the platform"};
-    case vision::DiscRole::like_part:
-      return {"like_part", "moves as the part may"};
-    case vision::DiscRole::resting:
-      break;
-  }
-  return {"resting", "at rest"};
+  constexpr RoleName kNames[] = {{"part", "the part"},  // in the order of DiscRole
+                                 {"like_part", "moves as the part may"},
+                                 {"mark", "a mark on the platform"},
+                                 {"resting", "at rest"}};
+  return kNames[static_cast<int>(role)];
 }
 
 std::string motion_text(const vision::SurveyedDisc& disc, int looked_at) {
