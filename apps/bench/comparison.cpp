@@ -125,18 +125,6 @@ struct Answer {
 using Fitting = std::function<Answer(const Problem&)>;
 using EndBySolver = std::function<Vector2d(const model::Scenario&)>;
 
-Vector2d end_by_ours(const model::Scenario& scenario) {
-  return end_point(scenario, {}, 1e-16).position;
-}
-
-Vector2d end_by_dormand_prince(const model::Scenario& scenario) {
-  return dormand_prince(scenario, 1e-8).position;
-}
-
-Vector2d end_by_recipe(const model::Scenario& scenario) {
-  return paper_recipe(scenario).position;
-}
-
 /// In standard deviations, at z: the logarithms of mu1 and mu2, and 1 + lag, so that a share of it is never
 /// small.
 Eigen::VectorXd residuals_at(const Vector3d& z, const EndBySolver& end, const Problem& problem) {
@@ -217,14 +205,18 @@ struct Method {
 
 /// Ours first.
 std::vector<Method> methods_for(bool quick) {
+  using model::Scenario;
+  const EndBySolver ours = [](const Scenario& s) { return end_point(s, {}, 1e-16).position; };
+  const EndBySolver segmented = [](const Scenario& s) { return dormand_prince(s, 1e-8).position; };
+  const EndBySolver recipe = [](const Scenario& s) { return paper_recipe(s).position; };
   return {{"tribotrack", our_fit(quick ? 2 : FitOptions().multi_starts)},
-          {"one descent, differences through our solver", descent_by_differences(end_by_ours, 400)},
+          {"one descent, differences through our solver", descent_by_differences(ours, 400)},
           {"one descent, differences through segmented Dormand-Prince 1e-8",
-           descent_by_differences(end_by_dormand_prince, 400)},
+           descent_by_differences(segmented, 400)},
           {"one descent, differences through the paper's recipe",
-           descent_by_differences(end_by_recipe, quick ? 30 : 110)},
+           descent_by_differences(recipe, quick ? 30 : 110)},
           {"the same with differences of 1 %, above its noise",
-           descent_by_differences(end_by_recipe, quick ? 30 : 280, 0.01)}};
+           descent_by_differences(recipe, quick ? 30 : 280, 0.01)}};
 }
 
 ComparedRow judge(const Method& method, const Method& ours, const std::vector<FitTruth>& truths) {

@@ -130,10 +130,7 @@ std::vector<ComparedRow> bench_scene(const Scene& scene, const ModelBenchOptions
     rows.push_back(row);
     competitors.push_back([&method, &scene] { method.run(scene.scenario); });
   }
-  PairedTiming timing;
-  timing.rounds = quick ? 3 : 41;
-  timing.budget_s = quick ? 0.02 : 0.25;
-  const auto times = paired_medians(competitors, timing);
+  const auto times = paired_medians(competitors, {quick ? 3 : 41, quick ? 0.02 : 0.25});
   for (std::size_t k = 0; k < rows.size(); ++k) {
     rows[k].time = times[k].seconds;
     rows[k].details.push_back({"repetitions", static_cast<double>(times[k].repetitions)});
@@ -204,10 +201,7 @@ std::vector<ExtremeRow> bench_extremes(const ModelBenchOptions& options) {
     });
     if (options.progress) options.progress(static_cast<int>(rows.size()), static_cast<int>(cases.size()));
   }
-  PairedTiming timing;
-  timing.rounds = options.quick ? 3 : 21;
-  timing.budget_s = options.quick ? 0.01 : 0.1;
-  const auto times = paired_medians(competitors, timing);
+  const auto times = paired_medians(competitors, {options.quick ? 3 : 21, options.quick ? 0.01 : 0.1});
   const double ordinary = times.front().seconds / cycles_of(cases.front().scenario);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     rows[k].time = times[k].seconds;
@@ -238,25 +232,6 @@ Work run(const Scenario& s, const IntegrationOptions& options = {}) {
   return [s, options]() -> Vector2d { return integrate(s, options).end().position; };
 }
 
-/// Every cycle integrated, whether they repeat or not.
-Work cycle_by_cycle(const Scenario& s) {
-  IntegrationOptions options;
-  options.reuse_repeating_cycles = false;
-  return run(s, options);
-}
-
-Work end_of_run(const Scenario& s) {
-  IntegrationOptions options;
-  options.dense = false;
-  return run(s, options);
-}
-
-Work with_derivatives(const Scenario& s, int count) {
-  IntegrationOptions options;
-  for (int p = 0; p < count; ++p) options.derivatives.push_back(static_cast<Parameter>(p));
-  return run(s, options);
-}
-
 /// A run that settles from rest, then one cycle.
 Work settled_cycle(Scenario settling, double cycles) {
   settling.start = Start::rest;
@@ -271,20 +246,22 @@ Work settled_cycle(Scenario settling, double cycles) {
 
 std::vector<Pair> all_pairs(double cycles) {
   std::vector<Pair> pairs;
+  IntegrationOptions every_cycle, end_only;  // every cycle integrated, whether they repeat or not; no path
+  every_cycle.reuse_repeating_cycles = end_only.dense = false;
   const Scenario smooth = base(0.1, 0, cycles), pulsed = base(0.1, pi / 2, cycles);
   Scenario useless = pulsed, ellipse = pulsed, tilted = pulsed;
   useless.friction.reduced = useless.friction.nominal;
   ellipse.drive.amplitude_y *= 1 + 1e-15;
   tilted.drive.tilt_x = 1e-20;
-  pairs.push_back({"friction switches", "mu1 = mu2: edges that switch nothing", cycle_by_cycle(useless),
-                   cycle_by_cycle(smooth)});
+  pairs.push_back({"friction switches", "mu1 = mu2: edges that switch nothing", run(useless, every_cycle),
+                   run(smooth, every_cycle)});
   pairs.push_back({"elliptic drive", "A_y = A (1 + 1e-15)", run(ellipse), run(pulsed)});
   pairs.push_back({"tilt", "tilt = 1e-20 rad", run(tilted), run(pulsed)});
   for (const double mu1 : {0.08, 0.1, 0.12}) {
     for (const double total : {cycles, 5 * cycles}) {
       const Scenario s = base(mu1, pi / 6, total);
       pairs.push_back({"every cycle", fmt::format("mu1 = {}, dtau = pi/6, {} cycles from rest", mu1, total),
-                       cycle_by_cycle(s), run(s)});
+                       run(s, every_cycle), run(s)});
     }
     Scenario steady = base(mu1, pi / 6, 1);
     steady.start = Start::steady;
@@ -294,11 +271,14 @@ std::vector<Pair> all_pairs(double cycles) {
                      settled_cycle(steady, settling), run(steady)});
     const Scenario s = base(mu1, pi / 6, cycles);
     pairs.push_back({"dense output", fmt::format("mu1 = {}, dtau = pi/6: the whole motion or its end", mu1),
-                     run(s), end_of_run(s)});
+                     run(s), run(s, end_only)});
   }
-  for (const int count : {3, 8, 15})
+  for (const int count : {3, 8, 15}) {
+    IntegrationOptions options;
+    for (int p = 0; p < count; ++p) options.derivatives.push_back(static_cast<Parameter>(p));
     pairs.push_back({"derivatives", fmt::format("mu1 = 0.1, dtau = pi/2: {} parameters or none", count),
-                     with_derivatives(pulsed, count), run(pulsed)});
+                     run(pulsed, options), run(pulsed)});
+  }
   return pairs;
 }
 
@@ -306,9 +286,7 @@ std::vector<Pair> all_pairs(double cycles) {
 
 std::vector<OmissionRow> bench_omissions(const ModelBenchOptions& options) {
   const std::vector<Pair> pairs = all_pairs(options.quick ? 16 : 20);
-  PairedTiming timing;
-  timing.rounds = options.quick ? 3 : 201;
-  timing.budget_s = options.quick ? 0.01 : 0.2;
+  const PairedTiming timing{options.quick ? 3 : 201, options.quick ? 0.01 : 0.2};
   std::vector<OmissionRow> rows;
   for (const Pair& pair : pairs) {
     const auto times = paired_medians({[&] { pair.with(); }, [&] { pair.without(); }}, timing);
