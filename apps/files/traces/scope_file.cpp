@@ -191,10 +191,6 @@ class HeaderReader {
   std::vector<std::string_view> sources_, units_;
 };
 
-}  // namespace
-
-namespace {
-
 constexpr std::size_t kFewestSamples = 100;
 
 /// PicoScope writes it for what lies beyond the channel's range.
