@@ -25,23 +25,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A signal can come at any time, so what is to be said then is the one piece of state kept per process.
-class LastText {
- public:
-  static LastText& of_this_process() {
-    static LastText text;
-    return text;
-  }
-  /// Returns the one before.
-  std::string set(const std::string& text) {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(text_, text);
-  }
-
- private:
-  std::mutex mutex_;
-  std::string text_;
-};
+/// A signal can come at any time, so what is to be said then is the one piece of state kept per process.
+/// Returns the text before.
+std::string set_last_text(const std::string& text) {
+  static std::mutex mutex;
+  static std::string last;
+  const std::lock_guard lock(mutex);
+  return std::exchange(last, text);
+}
 
 [[noreturn]] void refuse(const fs::path& path, const std::string& why) {
   throw OutputError("{}: cannot be written: {}; give a path in a folder that exists and is yours to write to",
@@ -147,10 +138,10 @@ void remove_leftovers(const fs::path& folder) {
   for (const fs::path& path : left) fs::remove_all(path, ignored);
 }
 
-LastWords::LastWords(const std::string& text) : before_(LastText::of_this_process().set(text)) {}
+LastWords::LastWords(const std::string& text) : before_(set_last_text(text)) {}
 
 LastWords::~LastWords() {
-  LastText::of_this_process().set(before_);
+  set_last_text(before_);
 }
 
 namespace {
@@ -162,7 +153,7 @@ void clean_up_when_told(int descriptor) {
   do count = ::read(descriptor, &number, 1);
   while (count < 0 && errno == EINTR);
   if (count != 1) return;
-  if (const std::string text = LastText::of_this_process().set(""); !text.empty()) complain(text);
+  if (const std::string text = set_last_text(""); !text.empty()) complain(text);
   vision::remove_partial_files();
   ::_exit(128 + number);
 }
