@@ -38,23 +38,12 @@ struct TrackCommandOptions {
   bool explain = false;
 };
 
-std::vector<std::string> split(const std::string& text, char at) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == at)
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  }
-  return parts;
-}
-
 std::vector<double> numbers_of(const std::string& flag, const std::string& text, std::size_t count,
                                const char* form) {
   std::vector<double> values;
-  for (const std::string& part : split(text, ','))
+  for (const std::string& part : parts_of(text, ','))
     if (const auto value = parse_number(part)) values.push_back(*value);
-  if (values.size() != count || split(text, ',').size() != count)
+  if (values.size() != count || parts_of(text, ',').size() != count)
     throw UsageError("{} must read {}, not \"{}\"", flag, form, text);
   return values;
 }
@@ -76,7 +65,7 @@ std::int64_t frame_number(const std::string& flag, const std::string& text) {
 }
 
 void set_frames(TrackChoices& choices, const std::string& text) {
-  const auto parts = split(text, ':');
+  const auto parts = parts_of(text, ':');
   if (parts.size() != 2 && parts.size() != 3)
     throw UsageError(
         "--frames must read A:B or A:B:STEP in the recording's own image numbers (each may be empty), not "
@@ -109,7 +98,7 @@ Recording recording_of(const TrackCommandOptions& options) {
   if (!options.debug_frames.empty() && options.debug.empty())
     throw UsageError("--debug-frames chooses frames for --debug DIR: give that, too");
   if (!options.debug_frames.empty())
-    for (const std::string& part : split(options.debug_frames, ','))
+    for (const std::string& part : parts_of(options.debug_frames, ','))
       recording.options.debug_frames.push_back(frame_number("--debug-frames", part));
   return recording;
 }

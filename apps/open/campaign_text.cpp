@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "apps/program/errors.h"
+#include "apps/text/angle.h"
 #include "apps/text/strict_toml.h"
 #include "apps/text/toml_slips.h"
 
@@ -36,12 +37,8 @@ Json values_in(const toml::node& node, std::string_view text) {
 }
 
 std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    lines.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
+  std::vector<std::string> lines = parts_of(text, '\n');
+  if (lines.back().empty()) lines.pop_back();
   return lines;
 }
 

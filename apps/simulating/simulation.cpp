@@ -136,14 +136,12 @@ void refuse_degrees(const std::string& text, const std::string& name, double val
 
 std::vector<double> listed_values(const std::string& text, std::string_view list) {
   std::vector<double> values;
-  while (true) {
-    const auto comma = list.find(',');
-    const auto value = parse_angle(list.substr(0, comma));
+  for (const std::string& part : parts_of(list, ',')) {
+    const auto value = parse_angle(part);
     if (!value) refuse(text);
     values.push_back(*value);
-    if (comma == std::string_view::npos) return values;
-    list.remove_prefix(comma + 1);
   }
+  return values;
 }
 
 }  // namespace

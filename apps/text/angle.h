@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tribotrack::apps {
 
@@ -16,6 +17,9 @@ std::string angle_slip(double radians);
 
 /// A plain finite number, the whole of the text. nullopt otherwise.
 std::optional<double> parse_number(std::string_view text);
+
+/// The parts of a text between the places of a character: one more than there are of these.
+std::vector<std::string> parts_of(std::string_view text, char between);
 
 /// In small letters, those of ASCII.
 std::string lower(std::string_view text);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <boost/algorithm/string/replace.hpp>
+#include <boost/algorithm/string/split.hpp>
 #include <boost/locale/encoding_utf.hpp>
 #include <charconv>
 #include <cmath>
@@ -26,6 +27,11 @@ std::string lower(std::string_view text) {
   for (char& c : kept)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return kept;
+}
+
+std::vector<std::string> parts_of(std::string_view text, char between) {
+  std::vector<std::string> parts;
+  return boost::split(parts, text, [between](char c) { return c == between; });
 }
 
 std::optional<double> parse_number(std::string_view text) {

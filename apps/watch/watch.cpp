@@ -131,11 +131,8 @@ std::string width_text(const fit::Goal& goal, double half_width) {
 
 std::vector<fit::Goal> goals_from(const std::string& text) {
   std::vector<fit::Goal> goals;
-  for (std::size_t begin = 0; begin <= text.size() && !text.empty();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    goals.push_back(goal_from(text.substr(begin, end - begin)));
-    begin = end + 1;
-  }
+  if (text.empty()) return goals;
+  for (const std::string& goal : parts_of(text, ',')) goals.push_back(goal_from(goal));
   return goals;
 }
 
