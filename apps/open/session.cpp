@@ -39,6 +39,11 @@ Json parsed(const std::string& text) {
   return json;
 }
 
+/// Of canonical paths.
+bool is_in(const fs::path& folder, const fs::path& path) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
+
 std::string text_in(const Json& json, const char* key) {
   const auto found = json.find(key);
   return found != json.end() && found->is_string() ? found->get<std::string>() : "";
@@ -64,8 +69,7 @@ OpenSession::OpenSession(const fs::path& given, const Context& context) : contex
 }
 
 bool OpenSession::is_inside(const fs::path& path) const {
-  const fs::path real = fs::weakly_canonical(path);
-  return std::mismatch(folder_.begin(), folder_.end(), real.begin(), real.end()).first == folder_.end();
+  return is_in(folder_, fs::weakly_canonical(path));
 }
 
 fs::path OpenSession::recording(const std::string& video) {
@@ -236,9 +240,8 @@ Answer OpenSession::frame(const Query& query) {
 /// A file of the results. A report is shown as what it is, a page of its own that may not ask for anything.
 Answer OpenSession::output(const std::string& name) const {
   const fs::path root = folder_ / output_of(name_), path = root / name;
-  const fs::path real_root = fs::weakly_canonical(root), real = fs::weakly_canonical(path);
-  if (!is_inside(root) ||
-      std::mismatch(real_root.begin(), real_root.end(), real.begin(), real.end()).first != real_root.end())
+  const fs::path real = fs::weakly_canonical(path);
+  if (!is_inside(root) || !is_in(fs::weakly_canonical(root), real))
     return refusal(403, "403: lies outside the results");
   if (!fs::is_regular_file(real)) return refusal(404, name + " is not there yet");
   const std::string suffix = path.extension().string();
@@ -264,15 +267,8 @@ Words OpenSession::first_second(const std::string& name) {
                                                    info.first_number + info.frame_count - 1);
   const RunFolder look{fs::path(output_of(name_)) / "first_second"};
   create_folder(folder_ / look.tracks());
-  return {"track",
-          "--campaign",
-          name_,
-          "--run",
-          name,
-          "--frames",
-          fmt::format("{}:{}", first, last),
-          "-o",
-          look.track(name).string()};
+  const std::string frames = fmt::format("{}:{}", first, last), csv = look.track(name).string();
+  return {"track", "--campaign", name_, "--run", name, "--frames", frames, "-o", csv};
 }
 
 /// The command lines that the page may start: their words are the campaign's, and numbers and names of the
