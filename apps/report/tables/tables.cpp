@@ -16,82 +16,61 @@ namespace {
 
 /// One column of runs.csv: its name and a run's cell.
 struct Column {
-  const char* name;
+  std::string name;
   std::function<std::string(const ReportRun&)> cell;
 };
 
-Column numbers(const char* name, double ReportRun::*member) {
-  return {name, [member](const ReportRun& run) { return exact(run.*member); }};
-}
-
-/// Of measurements/NAME.json.
-Column measured(const char* name) {
-  return {name, [=](const ReportRun& run) { return exact(run.value(name).value); }};
-}
-Column measured_sd(const char* name, const char* of) {
-  return {name, [=](const ReportRun& run) { return exact(run.value(of).sd); }};
-}
-
-Column of_residual(const char* name, const char* observable, double fit::Residual::*member) {
-  return {name, [=](const ReportRun& run) { return exact(run.residual(observable, member)); }};
-}
-
-Column counts(const char* name, std::size_t Track::*member) {
-  return {name, [=](const ReportRun& run) { return std::to_string(run.track.*member); }};
-}
-
-Column texts(const char* name, std::string ReportRun::*member) {
-  return {name, [member](const ReportRun& run) { return csv_cell(run.*member); }};
-}
-
-const std::vector<Column>& columns() {
-  using R = fit::Residual;
-  static const std::vector<Column> all = {
-      texts("name", &ReportRun::name),
-      {"kind", [](const ReportRun& run) { return run.free_slide ? "free_slide" : "displacement"; }},
-      texts("video", &ReportRun::video),
-      numbers("phi_rad", &ReportRun::phi_rad),
-      numbers("dtau_rad", &ReportRun::dtau_rad),
-      measured("alpha_rad"),
-      measured_sd("alpha_rad_sd", "alpha_rad"),
-      of_residual("alpha_model_rad", "alpha_rad", &R::modelled),
-      measured("v_mm_s"),
-      measured_sd("v_mm_s_sd", "v_mm_s"),
-      of_residual("v_model_mm_s", "v_mm_s", &R::modelled),
-      of_residual("dx_mm", "dx_mm", &R::measured),
-      of_residual("dx_mm_sd", "dx_mm", &R::sd),
-      of_residual("dx_model_mm", "dx_mm", &R::modelled),
-      of_residual("dx_residual_sd", "dx_mm", &R::standardised),
-      of_residual("dy_mm", "dy_mm", &R::measured),
-      of_residual("dy_mm_sd", "dy_mm", &R::sd),
-      of_residual("dy_model_mm", "dy_mm", &R::modelled),
-      of_residual("dy_residual_sd", "dy_mm", &R::standardised),
-      {"cycles", [](const ReportRun& run) { return run.cycles > 0 ? std::to_string(run.cycles) : ""; }},
-      measured("amplitude_mm"),
-      measured_sd("amplitude_mm_sd", "amplitude_mm"),
-      measured("angular_frequency_rad_s"),
-      measured_sd("angular_frequency_rad_s_sd", "angular_frequency_rad_s"),
-      measured("phase_shift_rad"),
-      measured_sd("phase_shift_rad_sd", "phase_shift_rad"),
-      {"frames_ok", [](const ReportRun& run) { return std::to_string(run.frames_ok()); }},
-      counts("frames_lost", &Track::lost),
-      counts("frames_edge", &Track::edge),
-      counts("frames_repeated", &Track::repeats),
-      {"frame_rate_hz",
-       [](const ReportRun& run) { return exact(run.track.frame_rate_hz.value_or(no_value)); }},
-      numbers("sigma_px", &ReportRun::sigma_px),
-      texts("failure", &ReportRun::failure)};
+std::vector<Column> columns() {
+  using Run = ReportRun;
+  using Number = fit::Residual;
+  std::vector<Column> all;
+  const auto cell = [&](const std::string& name, auto text) { all.push_back({name, text}); };
+  const auto number = [&](const std::string& name, auto value) {
+    cell(name, [value](const Run& run) { return exact(std::invoke(value, run)); });
+  };
+  const auto measured = [&](const std::string& key) {  // of measurements/NAME.json
+    number(key, [key](const Run& run) { return run.value(key).value; });
+    number(key + "_sd", [key](const Run& run) { return run.value(key).sd; });
+  };
+  const auto of_residual = [&](const std::string& name, const std::string& key, double Number::*member) {
+    number(name, [key, member](const Run& run) { return run.residual(key.c_str(), member); });
+  };
+  cell("name", [](const Run& run) { return csv_cell(run.name); });
+  cell("kind", [](const Run& run) { return run.free_slide ? "free_slide" : "displacement"; });
+  cell("video", [](const Run& run) { return csv_cell(run.video); });
+  number("phi_rad", &Run::phi_rad);
+  number("dtau_rad", &Run::dtau_rad);
+  measured("alpha_rad");
+  of_residual("alpha_model_rad", "alpha_rad", &Number::modelled);
+  measured("v_mm_s");
+  of_residual("v_model_mm_s", "v_mm_s", &Number::modelled);
+  for (const std::string axis : {"dx", "dy"}) {
+    of_residual(axis + "_mm", axis + "_mm", &Number::measured);
+    of_residual(axis + "_mm_sd", axis + "_mm", &Number::sd);
+    of_residual(axis + "_model_mm", axis + "_mm", &Number::modelled);
+    of_residual(axis + "_residual_sd", axis + "_mm", &Number::standardised);
+  }
+  cell("cycles", [](const Run& run) { return run.cycles > 0 ? std::to_string(run.cycles) : ""; });
+  for (const char* key : {"amplitude_mm", "angular_frequency_rad_s", "phase_shift_rad"}) measured(key);
+  cell("frames_ok", [](const Run& run) { return std::to_string(run.frames_ok()); });
+  cell("frames_lost", [](const Run& run) { return std::to_string(run.track.lost); });
+  cell("frames_edge", [](const Run& run) { return std::to_string(run.track.edge); });
+  cell("frames_repeated", [](const Run& run) { return std::to_string(run.track.repeats); });
+  number("frame_rate_hz", [](const Run& run) { return run.track.frame_rate_hz.value_or(no_value); });
+  number("sigma_px", &Run::sigma_px);
+  cell("failure", [](const Run& run) { return csv_cell(run.failure); });
   return all;
 }
 
 }  // namespace
 
 std::string runs_csv(const ReportData& data) {
+  const std::vector<Column> all = columns();
   std::string csv = "number";
-  for (const Column& column : columns()) csv.append(",").append(column.name);
+  for (const Column& column : all) csv.append(",").append(column.name);
   for (std::size_t i = 0; i < data.runs.size(); ++i) {
     csv += fmt::format("\n{}", i + 1);
-    for (const Column& column : columns()) csv.append(",").append(column.cell(data.runs[i]));
+    for (const Column& column : all) csv.append(",").append(column.cell(data.runs[i]));
   }
   return csv + "\n";
 }
