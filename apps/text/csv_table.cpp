@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/algorithm/string/classification.hpp>
 #include <boost/algorithm/string/replace.hpp>
 #include <boost/algorithm/string/split.hpp>
 #include <boost/locale/encoding_utf.hpp>
@@ -146,15 +147,9 @@ std::string plain(std::string_view text) {
 }
 
 std::vector<std::string> words_of(const std::string& text) {
-  constexpr std::string_view kBetween = " \t_/.()[]{},:#\"'";
-  std::vector<std::string> words(1);
-  for (const char c : text) {
-    if (kBetween.find(c) == std::string_view::npos)
-      words.back() += c;
-    else if (!words.back().empty())
-      words.emplace_back();
-  }
-  if (words.back().empty()) words.pop_back();
+  std::vector<std::string> words;
+  boost::split(words, text, boost::is_any_of(" \t_/.()[]{},:#\"'"));
+  std::erase(words, "");
   for (std::string& word : words)
     for (const auto& [from, to] : kWords)
       if (word == from) word = to;
