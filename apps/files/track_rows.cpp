@@ -84,45 +84,31 @@ int known_in(const Cells& cells) {
   }));
 }
 
-/// Where each column stands in a file; a column that is not there has no place.
+/// Where each column stands in a file; a column that is not there stands behind the last.
 class Places {
  public:
-  explicit Places(const CsvTable& table) {
-    const auto place_of = [&](std::string_view name) -> std::optional<std::size_t> {
-      const Cells& cells = table.header();
-      for (std::size_t k = 0; k < cells.size(); ++k)
-        if (cells[k] == name) return k;
-      return std::nullopt;
-    };
-    const auto demand = [&](std::string_view name) {
-      const auto place = place_of(name);
-      if (!place)
-        table.fail(fmt::format("has no column `{}`: {}; a track has {}", name, table.holds(), header_of({})));
-      return *place;
-    };
-    columns_ = table.header().size();
-    frame_ = demand("frame");
-    time_ = demand("time_s");
-    for (const char* needed : {"status", "x_mm", "y_mm", "sigma_x_mm", "sigma_y_mm"}) demand(needed);
+  explicit Places(const CsvTable& table) : header_(table.header()) {
+    for (const char* needed : {"frame", "time_s", "status", "x_mm", "y_mm", "sigma_x_mm", "sigma_y_mm"})
+      if (!has(needed))
+        table.fail(
+            fmt::format("has no column `{}`: {}; a track has {}", needed, table.holds(), header_of({})));
+    frame_ = place_of("frame");
+    time_ = place_of("time_s");
     for (std::size_t k = 0; k < kColumns.size(); ++k) places_[k] = place_of(kColumns[k].name);
   }
 
-  bool has(std::string_view name) const {
-    for (std::size_t k = 0; k < kColumns.size(); ++k)
-      if (kColumns[k].name == name) return places_[k].has_value();
-    return false;
-  }
+  bool has(std::string_view name) const { return place_of(name) < header_.size(); }
 
   TrackRow read(const CsvTable& table) const {
     const auto& cells = table.cells();
-    if (cells.size() != columns_)
-      table.fail(fmt::format("has {} columns where {} belong", cells.size(), columns_));
+    if (cells.size() != header_.size())
+      table.fail(fmt::format("has {} columns where {} belong", cells.size(), header_.size()));
     TrackRow row;
     row.frame = frame_of(table, cells[frame_]);
     row.time_s = table.number(cells[time_]);
     for (std::size_t k = 0; k < kColumns.size(); ++k) {
-      if (!places_[k]) continue;
-      const std::string_view cell = cells[*places_[k]];
+      if (places_[k] == header_.size()) continue;
+      const std::string_view cell = cells[places_[k]];
       if (kColumns[k].number == nullptr)
         row.status = status_of(table, cell);
       else if (!cell.empty())
@@ -132,6 +118,9 @@ class Places {
   }
 
  private:
+  std::size_t place_of(std::string_view name) const {
+    return static_cast<std::size_t>(std::ranges::find(header_, name) - header_.begin());
+  }
   static std::int64_t frame_of(const CsvTable& table, std::string_view cell) {
     constexpr double exact = 0x1p53;  // beyond it a double skips whole numbers
     const double frame = table.number(cell);
@@ -163,8 +152,9 @@ class Places {
     return value;
   }
 
-  std::size_t columns_ = 0, frame_ = 0, time_ = 0;
-  std::array<std::optional<std::size_t>, kColumns.size()> places_;
+  const Cells& header_;
+  std::size_t frame_ = 0, time_ = 0;
+  std::array<std::size_t, kColumns.size()> places_{};
 };
 
 }  // namespace
