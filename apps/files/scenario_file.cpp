@@ -92,69 +92,57 @@ Value velocity(ScenarioFile& file) {
 constexpr auto scenario = &ScenarioFile::scenario;
 using S = model::Scenario;
 
-const Keys<ScenarioFile>& platform_parameters() {
-  using D = model::Drive;
-  static const Keys<ScenarioFile> keys = {
-      {"amplitude_mm", Kind::not_negative, milli<scenario, &S::drive, &D::amplitude>, "",
-       "Platform amplitude A (and A_y)"},
-      {"amplitude_y_mm", Kind::not_negative, milli<scenario, &S::drive, &D::amplitude_y>, "",
-       "Platform amplitude along y, if different"},
-      {"omega_rad_s", Kind::above_zero, at<scenario, &S::drive, &D::angular_frequency>, "",
-       "Angular frequency w of the platform"},
-      {"epsilon_rad", Kind::angle, at<scenario, &S::drive, &D::phase_shift>, "",
-       "Phase shift epsilon between the axes (pi/2: a circle, clockwise with y up)"},
-      {"gravity_m_s2", Kind::above_zero, at<scenario, &S::drive, &D::gravity>, "", "Gravity g"},
-      {"tilt_x_rad", Kind::angle, at<scenario, &S::drive, &D::tilt_x>, "",
-       "Slope of the platform towards +x (right)"},
-      {"tilt_y_rad", Kind::angle, at<scenario, &S::drive, &D::tilt_y>, "",
-       "Slope of the platform towards +y (up)"},
-  };
-  return keys;
-}
+const Keys<ScenarioFile> kPlatform = {
+    {"amplitude_mm", Kind::not_negative, milli<scenario, &S::drive, &model::Drive::amplitude>, "",
+     "Platform amplitude A (and A_y)"},
+    {"amplitude_y_mm", Kind::not_negative, milli<scenario, &S::drive, &model::Drive::amplitude_y>, "",
+     "Platform amplitude along y, if different"},
+    {"omega_rad_s", Kind::above_zero, at<scenario, &S::drive, &model::Drive::angular_frequency>, "",
+     "Angular frequency w of the platform"},
+    {"epsilon_rad", Kind::angle, at<scenario, &S::drive, &model::Drive::phase_shift>, "",
+     "Phase shift epsilon between the axes (pi/2: a circle, clockwise with y up)"},
+    {"gravity_m_s2", Kind::above_zero, at<scenario, &S::drive, &model::Drive::gravity>, "", "Gravity g"},
+    {"tilt_x_rad", Kind::angle, at<scenario, &S::drive, &model::Drive::tilt_x>, "",
+     "Slope of the platform towards +x (right)"},
+    {"tilt_y_rad", Kind::angle, at<scenario, &S::drive, &model::Drive::tilt_y>, "",
+     "Slope of the platform towards +y (up)"},
+};
 
-const Keys<ScenarioFile>& friction_parameters() {
-  using M = model::Friction;
-  static const Keys<ScenarioFile> keys = {
-      {"mu1", Kind::not_negative, at<scenario, &S::friction, &M::nominal>, "",
-       "Nominal friction coefficient mu1"},
-      {"mu2", Kind::not_negative, at<scenario, &S::friction, &M::reduced>, "",
-       "Reduced friction coefficient mu2, inside the pulse"},
-      {"mu1_over_mu2", Kind::above_zero, at<&ScenarioFile::mu1_over_mu2>, "",
-       "Give mu2 as this ratio mu1/mu2 instead"},
-      {"phi_rad", Kind::angle, at<scenario, &S::friction, &M::phase>, "",
-       "Phase phi at which the pulse of reduced friction opens"},
-      {"dtau_rad", Kind::angle, at<scenario, &S::friction, &M::pulse_width>, "",
-       "Width dtau of the pulse, 0 .. 2pi"},
-      {"lag_rad", Kind::angle, at<scenario, &S::friction, &M::lag>, "",
-       "Phase lag of the actuator, added to phi"},
-  };
-  return keys;
-}
+const Keys<ScenarioFile> kFriction = {
+    {"mu1", Kind::not_negative, at<scenario, &S::friction, &model::Friction::nominal>, "",
+     "Nominal friction coefficient mu1"},
+    {"mu2", Kind::not_negative, at<scenario, &S::friction, &model::Friction::reduced>, "",
+     "Reduced friction coefficient mu2, inside the pulse"},
+    {"mu1_over_mu2", Kind::above_zero, at<&ScenarioFile::mu1_over_mu2>, "",
+     "Give mu2 as this ratio mu1/mu2 instead"},
+    {"phi_rad", Kind::angle, at<scenario, &S::friction, &model::Friction::phase>, "",
+     "Phase phi at which the pulse of reduced friction opens"},
+    {"dtau_rad", Kind::angle, at<scenario, &S::friction, &model::Friction::pulse_width>, "",
+     "Width dtau of the pulse, 0 .. 2pi"},
+    {"lag_rad", Kind::angle, at<scenario, &S::friction, &model::Friction::lag>, "",
+     "Phase lag of the actuator, added to phi"},
+};
 
-const Keys<ScenarioFile>& run_parameters() {
-  static const Keys<ScenarioFile> keys = {
-      {"start_phase_rad", Kind::angle, at<scenario, &S::start_phase>, "", "Platform phase wt at the start"},
-      {"velocity_x_mm_s", Kind::number, velocity<0>, "",
-       "Initial velocity relative to the platform (start = rest)"},
-      {"velocity_y_mm_s", Kind::number, velocity<1>, "",
-       "Initial velocity relative to the platform (start = rest)"},
-      {"cycles", Kind::above_zero, at<scenario, &S::cycles>, "", "Platform cycles to simulate"},
-      {"spin_rad_s", Kind::number, at<scenario, &S::spin, &model::Spin::rate>, "",
-       "Spin of a disc that slides freely"},
-      {"radius_mm", Kind::above_zero, milli<scenario, &S::spin, &model::Spin::radius>, "", "Its radius"},
-      {"spin_inertia", Kind::above_zero, at<scenario, &S::spin, &model::Spin::inertia>, "",
-       "Its moment of inertia over m r^2"},
-  };
-  return keys;
-}
+const Keys<ScenarioFile> kRun = {
+    {"start_phase_rad", Kind::angle, at<scenario, &S::start_phase>, "", "Platform phase wt at the start"},
+    {"velocity_x_mm_s", Kind::number, velocity<0>, "",
+     "Initial velocity relative to the platform (start = rest)"},
+    {"velocity_y_mm_s", Kind::number, velocity<1>, "",
+     "Initial velocity relative to the platform (start = rest)"},
+    {"cycles", Kind::above_zero, at<scenario, &S::cycles>, "", "Platform cycles to simulate"},
+    {"spin_rad_s", Kind::number, at<scenario, &S::spin, &model::Spin::rate>, "",
+     "Spin of a disc that slides freely"},
+    {"radius_mm", Kind::above_zero, milli<scenario, &S::spin, &model::Spin::radius>, "", "Its radius"},
+    {"spin_inertia", Kind::above_zero, at<scenario, &S::spin, &model::Spin::inertia>, "",
+     "Its moment of inertia over m r^2"},
+};
 
 }  // namespace
 
 const Keys<ScenarioFile>& scenario_parameters() {
   static const Keys<ScenarioFile> all = [] {
-    Keys<ScenarioFile> keys = platform_parameters();
-    for (const auto& more : {friction_parameters(), run_parameters()})
-      keys.insert(keys.end(), more.begin(), more.end());
+    Keys<ScenarioFile> keys = kPlatform;
+    for (const auto& more : {kFriction, kRun}) keys.insert(keys.end(), more.begin(), more.end());
     return keys;
   }();
   return all;
@@ -164,19 +152,19 @@ ScenarioFile read_scenario_tables(StrictTable& top) {
   ScenarioFile file;
   if (auto table = top.table("platform")) {
     model::Drive& drive = file.scenario.drive;
-    read_keys(*table, platform_parameters(), file);
+    read_keys(*table, kPlatform, file);
     if (!table->has("amplitude_y_mm")) drive.amplitude_y = drive.amplitude;
     refuse_other_units(*table, drive.gravity);
     table->finish();
   }
   if (auto table = top.table("friction")) {
-    read_keys(*table, friction_parameters(), file);
+    read_keys(*table, kFriction, file);
     if (table->has("mu2") && file.mu1_over_mu2)
       table->fail("mu2", "and `mu1_over_mu2` mean the same; give one of them");
     table->finish();
   }
   if (auto table = top.table("run")) {
-    read_keys(*table, run_parameters(), file);
+    read_keys(*table, kRun, file);
     if (const auto start = table->choice("start", kStarts))
       file.scenario.start = static_cast<model::Start>(*start);
     read_value(*table, {"samples_per_cycle", Kind::wholes(1, 1'000'000)}, {}, &file.samples_per_cycle);

@@ -10,72 +10,54 @@ namespace tribotrack::apps {
 namespace {
 
 using S = SceneShot;
-using vision::Scene, vision::DiscAppearance, vision::PlatformAppearance;
+using vision::Scene, vision::Lamp;
+using Disc = vision::DiscAppearance;
+using Platform = vision::PlatformAppearance;
+using Mark = vision::MarkerAppearance;
 
-const Keys<S>& video_keys() {
-  static const Keys<S> keys = {{"width", Kind::wholes(8, 16384), at<&S::scene, &Scene::width>},
-                               {"height", Kind::wholes(8, 16384), at<&S::scene, &Scene::height>},
-                               {"bits", Kind::wholes(8, 12), at<&S::scene, &Scene::bits>},
-                               {"frame_rate_hz", Kind::above_zero, at<&S::frame_rate_hz>},
-                               {"exposure_s", Kind::above_zero, at<&S::exposure_s>},
-                               {"frames", Kind::wholes(0, 1'000'000'000), at<&S::frames>},
-                               {"crf", Kind::wholes(0, 51), at<&S::sink, &vision::SinkOptions::crf>}};
-  return keys;
-}
+const Keys<S> kVideoKeys = {{"width", Kind::wholes(8, 16384), at<&S::scene, &Scene::width>},
+                            {"height", Kind::wholes(8, 16384), at<&S::scene, &Scene::height>},
+                            {"bits", Kind::wholes(8, 12), at<&S::scene, &Scene::bits>},
+                            {"frame_rate_hz", Kind::above_zero, at<&S::frame_rate_hz>},
+                            {"exposure_s", Kind::above_zero, at<&S::exposure_s>},
+                            {"frames", Kind::wholes(0, 1'000'000'000), at<&S::frames>},
+                            {"crf", Kind::wholes(0, 51), at<&S::sink, &vision::SinkOptions::crf>}};
 
-const Keys<S>& view_keys() {
-  static const Keys<S> keys = {{"mm_per_px", Kind::above_zero, at<&S::mm_per_px>},
-                               {"xi_axis_rad", Kind::angle, at<&S::xi_axis_rad>},
-                               {"vignetting", Kind::not_negative, at<&S::scene, &Scene::vignetting>},
-                               {"flicker", Kind::not_negative, at<&S::scene, &Scene::flicker>},
-                               {"flicker_hz", Kind::above_zero, at<&S::scene, &Scene::flicker_hz>},
-                               {"read_noise", Kind::not_negative, at<&S::scene, &Scene::read_noise>},
-                               {"shot_noise", Kind::not_negative, at<&S::scene, &Scene::shot_noise>}};
-  return keys;
-}
+const Keys<S> kViewKeys = {{"mm_per_px", Kind::above_zero, at<&S::mm_per_px>},
+                           {"xi_axis_rad", Kind::angle, at<&S::xi_axis_rad>},
+                           {"vignetting", Kind::not_negative, at<&S::scene, &Scene::vignetting>},
+                           {"flicker", Kind::not_negative, at<&S::scene, &Scene::flicker>},
+                           {"flicker_hz", Kind::above_zero, at<&S::scene, &Scene::flicker_hz>},
+                           {"read_noise", Kind::not_negative, at<&S::scene, &Scene::read_noise>},
+                           {"shot_noise", Kind::not_negative, at<&S::scene, &Scene::shot_noise>}};
 
-const Keys<S>& disc_keys() {
-  using D = DiscAppearance;
-  static const Keys<S> keys = {
-      {"radius_px", Kind::above_zero, at<&S::scene, &Scene::disc, &D::radius_px>},
-      {"theta_rad", Kind::angle, at<&S::theta_rad>},
-      {"spin_rad_s", Kind::number, at<&S::spin_rad_s>},
-      {"level", Kind::number, at<&S::scene, &Scene::disc, &D::level>},
-      {"edge_blur_px", Kind::above_zero, at<&S::scene, &Scene::disc, &D::edge_blur_px>},
-      {"scratches", Kind::wholes(0, 10000), at<&S::scene, &Scene::disc, &D::scratches>},
-      {"scratch_contrast", Kind::number, at<&S::scene, &Scene::disc, &D::scratch_contrast>},
-      {"highlight", Kind::number, at<&S::scene, &Scene::disc, &D::highlight>}};
-  return keys;
-}
+const Keys<S> kDiscKeys = {
+    {"radius_px", Kind::above_zero, at<&S::scene, &Scene::disc, &Disc::radius_px>},
+    {"theta_rad", Kind::angle, at<&S::theta_rad>},
+    {"spin_rad_s", Kind::number, at<&S::spin_rad_s>},
+    {"level", Kind::number, at<&S::scene, &Scene::disc, &Disc::level>},
+    {"edge_blur_px", Kind::above_zero, at<&S::scene, &Scene::disc, &Disc::edge_blur_px>},
+    {"scratches", Kind::wholes(0, 10000), at<&S::scene, &Scene::disc, &Disc::scratches>},
+    {"scratch_contrast", Kind::number, at<&S::scene, &Scene::disc, &Disc::scratch_contrast>},
+    {"highlight", Kind::number, at<&S::scene, &Scene::disc, &Disc::highlight>}};
 
-const Keys<PlatformAppearance>& surface_keys() {
-  using P = PlatformAppearance;
-  static const Keys<P> keys = {{"level", Kind::number, at<&P::level>},
-                               {"texture_rms", Kind::not_negative, at<&P::texture_rms>},
-                               {"brush_angle_rad", Kind::angle, at<&P::brush_angle_rad>},
-                               {"texture_length_px", Kind::above_zero, at<&P::texture_length_px>},
-                               {"texture_width_px", Kind::above_zero, at<&P::texture_width_px>}};
-  return keys;
-}
+const Keys<Platform> kSurfaceKeys = {
+    {"level", Kind::number, at<&Platform::level>},
+    {"texture_rms", Kind::not_negative, at<&Platform::texture_rms>},
+    {"brush_angle_rad", Kind::angle, at<&Platform::brush_angle_rad>},
+    {"texture_length_px", Kind::above_zero, at<&Platform::texture_length_px>},
+    {"texture_width_px", Kind::above_zero, at<&Platform::texture_width_px>}};
 
-const Keys<vision::MarkerAppearance>& mark_keys() {
-  using M = vision::MarkerAppearance;
-  static const Keys<M> keys = {{"radius_px", Kind::above_zero, at<&M::radius_px>},
-                               {"level", Kind::number, at<&M::level>},
-                               {"ring_level", Kind::number, at<&M::ring_level>}};
-  return keys;
-}
+const Keys<Mark> kMarkKeys = {{"radius_px", Kind::above_zero, at<&Mark::radius_px>},
+                              {"level", Kind::number, at<&Mark::level>},
+                              {"ring_level", Kind::number, at<&Mark::ring_level>}};
 
-const Keys<vision::Lamp>& lamp_keys() {
-  using L = vision::Lamp;
-  static const Keys<L> keys = {{"radius_px", Kind::above_zero, at<&L::radius_px>},
-                               {"on_level", Kind::number, at<&L::on_level>},
-                               {"off_level", Kind::number, at<&L::off_level>}};
-  return keys;
-}
+const Keys<Lamp> kLampKeys = {{"radius_px", Kind::above_zero, at<&Lamp::radius_px>},
+                              {"on_level", Kind::number, at<&Lamp::on_level>},
+                              {"off_level", Kind::number, at<&Lamp::off_level>}};
 
 void read_video(StrictTable& table, SceneShot& shot) {
-  read_keys(table, video_keys(), shot);
+  read_keys(table, kVideoKeys, shot);
   if (const int bits = shot.scene.bits; bits != 8 && bits != 10 && bits != 12)
     table.fail("bits", fmt::format("must be 8, 10 or 12, not {}", bits));
   if (shot.exposure_s * shot.frame_rate_hz > 1)
@@ -91,7 +73,7 @@ std::optional<vision::Point> read_point(StrictTable& table, const char* key) {
 }
 
 void read_disc(StrictTable& table, SceneShot& shot) {
-  read_keys(table, disc_keys(), shot);
+  read_keys(table, kDiscKeys, shot);
   const auto diameter = table.positive("diameter_mm");
   if (diameter && table.has("radius_px"))
     table.fail("radius_px", "and `diameter_mm` mean the same; give one of them");
@@ -146,12 +128,12 @@ std::vector<SceneShot> read_scene_file(const std::filesystem::path& file) {
       table->finish();
     }
   };
-  section("camera", [&](StrictTable& table) { read_keys(table, view_keys(), base); });
+  section("camera", [&](StrictTable& table) { read_keys(table, kViewKeys, base); });
   section("video", [&](StrictTable& table) { read_video(table, base); });
   section("disc", [&](StrictTable& table) { read_disc(table, base); });  // its diameter needs the scale
-  section("surface", [&](StrictTable& table) { read_keys(table, surface_keys(), base.scene.platform); });
-  section("marker", [&](StrictTable& table) { read_thing(table, mark_keys(), base.scene.marker); });
-  section("lamp", [&](StrictTable& table) { read_thing(table, lamp_keys(), base.scene.lamp); });
+  section("surface", [&](StrictTable& table) { read_keys(table, kSurfaceKeys, base.scene.platform); });
+  section("marker", [&](StrictTable& table) { read_thing(table, kMarkKeys, base.scene.marker); });
+  section("lamp", [&](StrictTable& table) { read_thing(table, kLampKeys, base.scene.lamp); });
   std::vector<SceneShot> shots;
   for (StrictTable& table : top.tables("shot")) shots.push_back(shot_of(table, base));
   top.finish();
@@ -168,8 +150,8 @@ std::vector<SceneShot> read_scene_file(const std::filesystem::path& file) {
 
 Json json_of(const SceneShot& shot) {
   Json json = json_of(shot.motion.scenario);
-  json.update(written(video_keys(), shot));
-  json.update(written(view_keys(), shot));
+  json.update(written(kVideoKeys, shot));
+  json.update(written(kViewKeys, shot));
   json["disc_radius_px"] = shot.scene.disc.radius_px;
   json["texture_rms"] = shot.scene.platform.texture_rms;
   json["seed"] = shot.scene.seed;
