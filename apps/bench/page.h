@@ -31,13 +31,6 @@ struct Cell {
   bool number = false;
 };
 
-Cell word(const std::string& text);
-/// "-" and an empty cell in the CSV for what is not finite.
-Cell number(double value, const char* format = "{:.3g}");
-Cell seconds(double value);
-Cell percent(double share);
-Cell yes(bool value);
-
 template <class Row>
 struct Column {
   std::string name;     ///< in the CSV; empty: not there

@@ -18,13 +18,12 @@ std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
-}  // namespace
-
 Cell word(const std::string& text) {
   return {text, apps::csv_cell(text)};
 }
 
-Cell number(double value, const char* format) {
+/// "-" and an empty cell in the CSV for what is not finite.
+Cell number(double value, const char* format = "{:.3g}") {
   if (!std::isfinite(value)) return {"-", "", true};
   return {fmt::format(fmt::runtime(format), value), apps::compact(value), true};
 }
@@ -41,6 +40,8 @@ Cell yes(bool value) {
   const char* word = value ? "yes" : "no";
   return {word, word};
 }
+
+}  // namespace
 
 std::string Table::csv() const {
   const auto line = [this](const auto& text_of) {
