@@ -372,19 +372,14 @@ void StrictTable::say_where_keys_belong(SectionsWith sections_with) {
   *node_->sections_with = sections_with;
 }
 
-std::string StrictTable::home_of(const std::string& key) const {
-  if (*node_->sections_with == nullptr) return {};
-  std::vector<std::string> homes;
-  for (const std::string& section : (*node_->sections_with)(key)) homes.push_back(heading_of(section));
-  return fmt::format("{}", fmt::join(homes, " or "));
-}
-
 void StrictTable::finish() const {
   for (auto&& [name, value] : *node_->table) {
     const std::string key(name.str());
     if (node_->looked_up.contains(key)) continue;
-    if (const std::string home = home_of(key); !home.empty())
-      fail(key, fmt::format("does not belong here but {}", home));
+    std::vector<std::string> homes;
+    if (const SectionsWith sections_with = *node_->sections_with)
+      for (const std::string& section : sections_with(key)) homes.push_back(heading_of(section));
+    if (!homes.empty()) fail(key, fmt::format("does not belong here but {}", fmt::join(homes, " or ")));
     const std::vector<std::string> valid(node_->looked_up.begin(), node_->looked_up.end());
     const std::string near = nearest_word(key, valid);
     fail(key, near.empty() ? fmt::format("is not a known key; known here: {}", fmt::join(valid, ", "))

@@ -62,8 +62,6 @@ class StrictTable {
   void finish() const;
 
  private:
-  std::string home_of(const std::string& key) const;  ///< "in [part]"; empty where no table has the key
-
   struct Node;
   explicit StrictTable(std::shared_ptr<Node> node) : node_(std::move(node)) {}
   std::shared_ptr<Node> node_;
