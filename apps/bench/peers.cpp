@@ -118,7 +118,6 @@ PeerResult moreau_jean(const Scenario& scenario, double step) {
   const PlainEquation<double> f(scenario);
   const auto count = static_cast<long>(std::ceil(f.end() / step));
   const double h = f.end() / static_cast<double>(count);
-  PeerResult result;
   Eigen::Vector2d x = Eigen::Vector2d::Zero(), u = scenario.initial_velocity;
   for (long k = 0; k < count; ++k) {
     const double t = static_cast<double>(k + 1) * h;
@@ -130,11 +129,7 @@ PeerResult moreau_jean(const Scenario& scenario, double step) {
     u *= speed > impulse ? 1 - impulse / speed : 0;
     x += h * u;
   }
-  result.position = x;
-  result.velocity = u;
-  result.steps = count;
-  result.finished = true;
-  return result;
+  return {x, u, count, true};
 }
 
 std::vector<BenchPeer> library_peers() {

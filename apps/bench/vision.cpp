@@ -334,11 +334,7 @@ void time_whole_commands(const WholeCommands& whole, double texture, Comparison&
   std::string folder = (std::filesystem::temp_directory_path() / "tribotrack-bench-XXXXXX").string();
   if (!::mkdtemp(folder.data())) throw InputError(folder + " cannot be made; make room, or set TMPDIR");
   const std::string file = folder + "/recording.cine";
-  SinkOptions recording;
-  recording.width = whole.width;
-  recording.height = whole.height;
-  recording.frame_rate_hz = kRate;
-  const auto sink = create_sink(file, recording);
+  const auto sink = create_sink(file, {.width = whole.width, .height = whole.height, .frame_rate_hz = kRate});
   const SceneRenderer renderer(scene.scene());
   for (int k = 0; k < whole.frames; ++k)
     sink->write(recorded(renderer.render_exact(0, 0, scene.at(k)), kNoise, k));

@@ -59,10 +59,9 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
   };
   fit::ScopeTrace trace{file.start_s, file.increment_s, channel(section.sensor_channel, "sensor_channel"),
                         channel(section.actuator_channel, "actuator_channel")};
-  fit::ScopeOptions options;
-  options.carrier_hz = section.carrier_hz;
-  options.sensor_delay = section.sensor_delay_s;
-  options.sensor_delay_sd = section.sensor_delay_sd_s;
+  const fit::ScopeOptions options{.carrier_hz = section.carrier_hz,
+                                  .sensor_delay = section.sensor_delay_s,
+                                  .sensor_delay_sd = section.sensor_delay_sd_s};
   ScopeEvidence evidence;
   try {
     evidence.events = fit::find_scope_events(trace, options);
@@ -138,16 +137,14 @@ void require_slide(const CampaignRun& run, const fit::TrackTable& track) {
 /// Everything that is known of one run: given, or seen in its track.
 GivenConditions given_for(const Campaign& campaign, const Run& analysed) {
   const CampaignRun& run = analysed.given;
-  GivenConditions given;
-  given.lamp = campaign.camera.gate_px.has_value();
-  given.angular_frequency =
-      run.angular_frequency ? run.angular_frequency : campaign.platform.angular_frequency;
-  given.phase_shift = campaign.platform.phase_shift;
-  given.phase_at_zero = run.phase_at_zero;
-  given.dtau = run.dtau;
-  given.scope = analysed.scope;
-  given.cycles = run.cycles;
-  return given;
+  const PlatformSection& platform = campaign.platform;
+  return {.lamp = campaign.camera.gate_px.has_value(),
+          .angular_frequency = run.angular_frequency ? run.angular_frequency : platform.angular_frequency,
+          .phase_shift = platform.phase_shift,
+          .phase_at_zero = run.phase_at_zero,
+          .dtau = run.dtau,
+          .scope = analysed.scope,
+          .cycles = run.cycles};
 }
 
 /// What of the gate is taken as seen. A lamp beats a command only where it is known better: frames that meet

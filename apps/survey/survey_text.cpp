@@ -109,12 +109,9 @@ std::vector<NameGuess> guesses_from(const std::vector<std::string>& names) {
   std::vector<NameGuess> guesses;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const std::string name = lower(names[k]);
-    NameGuess guess;
-    guess.phi_text = settled(angles[k].phi, common);
-    guess.dtau_text = settled(angles[k].dtau, common);
-    guess.frame_rate_hz = frame_rate_in(name);
-    guess.free_slide = name.find("slide") != std::string::npos || name.find("incline") != std::string::npos;
-    guesses.push_back(guess);
+    const bool slide = name.find("slide") != std::string::npos || name.find("incline") != std::string::npos;
+    guesses.push_back(
+        {settled(angles[k].phi, common), settled(angles[k].dtau, common), frame_rate_in(name), slide});
   }
   return guesses;
 }

@@ -137,9 +137,8 @@ std::vector<fs::path> files_of_input(const fs::path& path) {
 }
 
 Input hashed_input(const fs::path& path) {
-  Sampling whole;
-  whole.whole_up_to = std::numeric_limits<std::uint64_t>::max();
-  return {path, hash_of_files({path}, whole).xxh3_128};
+  constexpr Sampling kWhole{.whole_up_to = std::numeric_limits<std::uint64_t>::max()};
+  return {path, hash_of_files({path}, kWhole).xxh3_128};
 }
 
 Input hashed_recording(const fs::path& path) {
