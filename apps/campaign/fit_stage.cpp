@@ -274,11 +274,11 @@ void report_fit(const Campaign& campaign, const FittedCampaign& fitted, bool exp
         kQualityGate,
         fmt::format("{}: the data reject the campaign as it is described (chi2 {:.4g} at {} degrees of "
                     "freedom); these values hold under {}; as described: {}",
-                    file, result.chi2, result.dof,
-                    fmt::format("{}", fmt::join(result.quoted_under, ", and ")), as_described(result)));
+                    file, result.chi2, result.dof, fmt::join(result.quoted_under, ", and "),
+                    as_described(result)));
   if (!result.usable()) {
     std::string sentence = fmt::format("{}: do not use these values: {}; see {}", file,
-                                       fmt::format("{}", fmt::join(result.verdict_reasons, "; ")), look_at);
+                                       fmt::join(result.verdict_reasons, "; "), look_at);
     for (const std::string& remedy : remedies(result)) sentence += "\n  " + remedy;
     context.doubt(kFitUnusable, sentence);
   }

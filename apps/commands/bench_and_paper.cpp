@@ -163,15 +163,6 @@ void add_bench(CLI::App& app, Context& context) {
 
 namespace {
 
-/// The scenarios by their hashes.
-MetaFile meta_of_paper() {
-  MetaFile meta;
-  meta.command = "paper";
-  for (const EmbeddedScenario& scenario : paper_scenarios())
-    meta.configuration["scenarios"][std::string(scenario.name)] = hash_of_text(scenario.toml);
-  return meta;
-}
-
 Paper compute(const Context& context) {
   Progress progress("paper", context, "claims");
   return {paper_figures(context),
@@ -184,7 +175,10 @@ void run_paper(const fs::path& folder, bool json, const Context& context) {
   require_writable({{page}, {claims}});
 
   const Paper paper = compute(context);
-  const MetaFile meta = meta_of_paper();
+  MetaFile meta;
+  meta.command = "paper";
+  for (const EmbeddedScenario& scenario : paper_scenarios())
+    meta.configuration["scenarios"][std::string(scenario.name)] = hash_of_text(scenario.toml);
   write_result(claims, claims_csv(paper), meta);
   write_result(page, page_of(paper), meta);
   say(context.quiet, fmt::format("{}: {} figures, {} claims: {}", page.string(), paper.figures.size(),

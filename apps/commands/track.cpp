@@ -142,11 +142,6 @@ std::vector<std::filesystem::path> inputs_of(const TrackCommandOptions& options,
   return inputs;
 }
 
-/// CPU time so far: of loading the libraries and reading the command line, where asked at a command's begin.
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
 /// To the caller: the table column by column, and what stands in its meta file.
 void hand_over(const Recording& recording, Called& called) {
   std::vector<std::int64_t> frames;
@@ -227,7 +222,8 @@ void track_run(const TrackCommandOptions& options, double started, Context& cont
 }
 
 void track_command(const TrackCommandOptions& options, Context& context) {
-  const double started = cpu_seconds();
+  // CPU time of loading the libraries and reading the command line.
+  const double started = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
   if (options.output.empty() && !context.called) throw UsageError("the output file has no name");
   if (!options.campaign.empty()) return track_run(options, started, context);
   if (options.input.empty()) throw CLI::RequiredError("INPUT, or --campaign with --run,");

@@ -14,12 +14,6 @@ namespace {
 
 constexpr double kClippedShare = 0.02;  ///< of the lamp's pixels: above it its brightness is not linear
 
-/// Takes camera pixels (y down) to metres in campaign axes (y up, turned by -xi_axis).
-Eigen::Matrix2d to_campaign_axes(double mm_per_px, double xi_axis_rad) {
-  const Eigen::Matrix2d up = Eigen::Vector2d(1, -1).asDiagonal();
-  return mm_per_px * 1e-3 * Eigen::Rotation2Dd(-xi_axis_rad).toRotationMatrix() * up;
-}
-
 Eigen::Matrix2d covariance_of(double sd_x, double sd_y, double correlation) {
   const double off = correlation * sd_x * sd_y;
   return (Eigen::Matrix2d() << sd_x * sd_x, off, off, sd_y * sd_y).finished();
@@ -30,7 +24,9 @@ class FitTable {
  public:
   FitTable(const TrackRows& rows, const Track& track, const std::filesystem::path& path)
       : rows_(rows), track_(track), path_(path) {
-    if (track.mm_per_px) axes_ = to_campaign_axes(*track.mm_per_px, track.xi_axis_rad);
+    const Eigen::Matrix2d up = Eigen::Vector2d(1, -1).asDiagonal();
+    if (track.mm_per_px)
+      axes_ = *track.mm_per_px * 1e-3 * Eigen::Rotation2Dd(-track.xi_axis_rad).toRotationMatrix() * up;
   }
 
   void add(const TrackRow& row, fit::TrackTable& table) const {
@@ -88,6 +84,7 @@ class FitTable {
   const TrackRows& rows_;
   const Track& track_;
   const std::filesystem::path& path_;
+  /// Takes camera pixels (y down) to metres in campaign axes (y up, turned by -xi_axis).
   Eigen::Matrix2d axes_ = Eigen::Matrix2d::Identity();
 };
 

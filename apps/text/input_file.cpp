@@ -229,15 +229,6 @@ std::string toml_slip(std::string_view text, std::size_t number, std::size_t col
       line_of(text, number).substr(0, 60), column);
 }
 
-namespace {
-
-bool may_stand_in_key(char c) {
-  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '-' ||
-         c == '"' || c == '\'' || c == ' ' || c == '\t';
-}
-
-}  // namespace
-
 void require_shallow_keys(std::string_view text, const std::string& name) {
   constexpr int kDeepest = 32;
   int line = 1, dots = 0;
@@ -249,7 +240,9 @@ void require_shallow_keys(std::string_view text, const std::string& name) {
       throw InvalidInput("{}:{}:{}: a key of more than {} parts; keys here have at most 3", name, line,
                          key_begin - line_begin + 1, kDeepest);
     }
-    if (may_stand_in_key(c)) continue;
+    if ((c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '-' ||
+        c == '"' || c == '\'' || c == ' ' || c == '\t')
+      continue;  // it may stand in a key
     dots = 0;
     key_begin = at + 1;
     if (c != '\n') continue;

@@ -32,14 +32,11 @@ bool same(double a, double b) {
 bool same(const std::optional<double>& a, const std::optional<double>& b) {
   return a.has_value() == b.has_value() && (!a || same(*a, *b));
 }
-bool same_angle(double a, double b) {
-  return same(std::remainder(a - b, 2 * std::numbers::pi), 0);
-}
 
 bool same_point(const CampaignRun& a, const CampaignRun& b) {
-  return same_angle(a.phi, b.phi) && same(a.dtau, b.dtau) && same(a.amplitude, b.amplitude) &&
-         same(a.angular_frequency, b.angular_frequency) && same(a.start_phase, b.start_phase) &&
-         a.cycles == b.cycles;
+  return same(std::remainder(a.phi - b.phi, 2 * std::numbers::pi), 0) && same(a.dtau, b.dtau) &&
+         same(a.amplitude, b.amplitude) && same(a.angular_frequency, b.angular_frequency) &&
+         same(a.start_phase, b.start_phase) && a.cycles == b.cycles;
 }
 
 /// Where no sd is known: of the first such line.

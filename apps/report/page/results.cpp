@@ -125,8 +125,7 @@ std::vector<IntervalColumn> interval_columns(const ReportData& data) {
 }
 
 bool has_column(const std::vector<IntervalColumn>& columns, fit::Interval fit::ParameterEstimate::*interval) {
-  return std::any_of(columns.begin(), columns.end(),
-                     [&](const IntervalColumn& column) { return column.interval == interval; });
+  return std::ranges::count(columns, interval, &IntervalColumn::interval) > 0;
 }
 
 /// What each interval shown is, and which covariance stands behind the first.
@@ -193,7 +192,7 @@ std::vector<Row> rows_of(const std::vector<fit::NextExperiment>& runs) {
   std::vector<Row> rows;
   for (const fit::NextExperiment& run : runs) {
     const std::string aim = run.aim ? parameter_text(*run.aim).symbol + " alone" : "all together";
-    const auto known = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return same(r.run, run); });
+    const auto known = std::ranges::find_if(rows, [&](const Row& r) { return same(r.run, run); });
     if (known == rows.end())
       rows.push_back({run, aim});
     else

@@ -157,8 +157,7 @@ PageSection audit_section(const ReportData& data) {
   for (std::size_t i = 0; i < data.runs.size(); ++i) {
     const vision::Audit& audit = data.runs[i].track.audit;
     const std::array ratios = {audit.halves_x, audit.halves_y, audit.high_frequency};
-    if (std::none_of(ratios.begin(), ratios.end(), [](const auto& ratio) { return ratio.has_value(); }))
-      continue;
+    if (std::ranges::none_of(ratios, [](const auto& ratio) { return ratio.has_value(); })) continue;
     rows +=
         "<tr>" + number_cell(std::to_string(i + 1)) + cell("<b>" + escape_html(data.runs[i].name) + "</b>");
     for (const std::optional<double>& ratio : ratios)

@@ -214,8 +214,7 @@ std::string outlier_table(const ReportData& data) {
     html += "<tr>" + cell("<b>" + escape_html(outlier.run) + "</b>") +
             number_cell(number(outlier.deviation, 2) + " σ") + number_cell(chance(outlier.chance));
     if (mislabelled) {
-      const auto run = std::find_if(data.runs.begin(), data.runs.end(),
-                                    [&](const ReportRun& r) { return r.name == outlier.run; });
+      const auto run = std::ranges::find(data.runs, outlier.run, &ReportRun::name);
       html += number_cell(run != data.runs.end() ? phi_or_dash(run->phi_rad) : "–") +
               number_cell(phi_or_dash(outlier.looks_like_phi.value_or(no_value)));
     }
