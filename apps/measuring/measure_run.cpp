@@ -132,30 +132,28 @@ void allow_for_coding(const std::string& name, const Track& track, RunMeasuremen
 /// it counts from its own sensor.
 void measure_gate(const std::string& name, const Track& track, const GivenConditions& given,
                   RunMeasurement& m) {
+  const auto warn = [&](const std::string& what) { m.warnings.push_back(name + ": " + what); };
   const auto take = [&](const fit::GateMeasurement& seen, const char* what, const char* reference) {
     if (seen.timing) {
       m.gate = seen.timing;
       m.gate_reference = reference;
     } else {
-      m.warnings.push_back(
-          fmt::format("{}: {} does not determine the gate: {}; phi and dtau are taken as commanded", name,
-                      what, seen.why_not));
+      warn(fmt::format("{} does not determine the gate: {}; phi and dtau are taken as commanded", what,
+                       seen.why_not));
     }
   };
   if (!track.lamp.time.empty()) {
     if (m.phase_clock)
       take(fit::measure_gate(track.lamp, *m.phase_clock), "the gate LED (gate_px)", "camera");
     else
-      m.warnings.push_back(fmt::format(
-          "{}: the gate LED is seen, but the phase of the platform is unknown: phi and dtau are taken as "
-          "commanded; give a marker, or phase_at_zero_rad",
-          name));
+      warn(
+          "the gate LED is seen, but the phase of the platform is unknown: phi and dtau are taken as "
+          "commanded; give a marker, or phase_at_zero_rad");
   }
   if (given.lamp && track.lamp.time.empty())
-    m.warnings.push_back(fmt::format(
-        "{}: the gate LED (gate_px) was not read, since the part passes over it: phi and dtau are taken as "
-        "commanded; correct gate_px",
-        name));
+    warn(
+        "the gate LED (gate_px) was not read, since the part passes over it: phi and dtau are taken as "
+        "commanded; correct gate_px");
   if (!given.scope) {
     if (m.gate) note_against_command(name, *m.gate, given, m.warnings);
     return;
@@ -170,10 +168,10 @@ void measure_gate(const std::string& name, const Track& track, const GivenCondit
       m.gate->source = "lamp and scope";
       if (std::abs(lamp.dtau.value - seen.timing->dtau.value) >
           5 * std::hypot(lamp.dtau.sd, seen.timing->dtau.sd) + 0.01)
-        m.warnings.push_back(fmt::format(
-            "{}: the gate LED shows dtau = {:.4f} rad, the oscilloscope {:.4f}: the oscilloscope's is "
-            "used; does the LED follow the actuator's gate?",
-            name, lamp.dtau.value, seen.timing->dtau.value));
+        warn(fmt::format(
+            "the gate LED shows dtau = {:.4f} rad, the oscilloscope {:.4f}: the oscilloscope's is used; does "
+            "the LED follow the actuator's gate?",
+            lamp.dtau.value, seen.timing->dtau.value));
     }
   } else if (scope.tie == "trigger" && scope.trigger_time && m.phase_clock) {
     fit::PhaseClock clock = *m.phase_clock;
@@ -182,11 +180,9 @@ void measure_gate(const std::string& name, const Track& track, const GivenCondit
   } else if (scope.sensor) {
     take(fit::gate_from_scope(scope.events, scope.sensor->clock), "the oscilloscope", "sensor");
   } else {
-    m.warnings.push_back(
-        fmt::format("{}: the oscilloscope trace holds no reference pulses and is not tied to the camera: phi "
-                    "and dtau are "
-                    "taken as commanded; name [scope] sensor_channel, or tie = \"trigger\"",
-                    name));
+    warn(
+        "the oscilloscope trace holds no reference pulses and is not tied to the camera: phi and dtau are "
+        "taken as commanded; name [scope] sensor_channel, or tie = \"trigger\"");
   }
   if (m.gate) note_against_command(name, *m.gate, given, m.warnings);
 }
