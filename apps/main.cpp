@@ -113,11 +113,10 @@ int run_program(int argc, const char* const* argv) {
       "tribotrack: from high-speed video of a part on a vibrating platform to its friction parameters",
       "tribotrack"};
   app.require_subcommand(1);
-  app.footer(
-      topics() +
-      "\nStart with `tribotrack open FOLDER`: a page from the recordings to the report. Without a browser: "
-      "`tribotrack help start-here`, or `tribotrack init DIR`. tribotrack COMMAND --help explains each "
-      "command.");
+  app.footer(topics() +
+             "\nStart with `tribotrack open FOLDER`: a page from the recordings to the report. Without a "
+             "browser: `tribotrack help start-here`, or `tribotrack init DIR`. tribotrack COMMAND --help "
+             "explains each command.");
   add_options_of_all(app, context);
   add_commands(app, context);
   const std::vector<std::string> words(argv + 1, argv + argc), typed = arguments_of(app, words);

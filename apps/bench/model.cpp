@@ -170,16 +170,15 @@ double cycles_of(const Scenario& s) {
 }  // namespace
 
 Comparison bench_model(const ModelBenchOptions& options) {
-  Comparison comparison{
-      "model",
-      "Error of the end point against run time",
-      "error of the end point",
-      "m",
-      "CPU time of a run",
-      "Runge-Kutta-Fehlberg 7(8) in extended precision (64-bit mantissa), segmented at the friction "
-      "switches, local tolerance 1e-17 of the scene's scales; in the "
-      "marginal scene, where explicit methods hang, tribotrack's own result at tolerance 1e-17",
-      1e-8};
+  Comparison comparison{"model",
+                        "Error of the end point against run time",
+                        "error of the end point",
+                        "m",
+                        "CPU time of a run",
+                        "Runge-Kutta-Fehlberg 7(8) in extended precision (64-bit mantissa), segmented at the "
+                        "friction switches, local tolerance 1e-17 of the scene's scales; in the marginal "
+                        "scene, where explicit methods hang, tribotrack's own result at tolerance 1e-17",
+                        1e-8};
   const auto scenes = scenes_of(options.quick);
   for (std::size_t k = 0; k < scenes.size(); ++k) {
     const auto more = bench_scene(scenes[k], options);

@@ -44,8 +44,7 @@ Figure figure_of(const Comparison& comparison) {
   Figure figure{.id = comparison.name + "-error-time", .title = comparison.title, .caption = {}};
   figure.caption =
       "A point is a method at one setting on one scene; nearer to the lower left corner is better, large "
-      "dots are "
-      "tribotrack.";
+      "dots are tribotrack.";
   figure.alternative = comparison.title + ", a panel for each group of scenes over two logarithmic axes";
   apps::Values times, errors;
   for (const ComparedRow& row : comparison.rows) {
@@ -175,10 +174,8 @@ std::string page_of(const BenchResults& results, const Circumstances& circumstan
       paragraph(
           "Errors are distances from a reference that was made in another way or is known because the data "
           "were simulated; run times are CPU times. In each group of scenes the best row of tribotrack as "
-          "users "
-          "get it is set against the best of others: the fastest that reach the error named or, where none "
-          "is "
-          "named, the most accurate; PEER WINS marks what others do better.") +
+          "users get it is set against the best of others: the fastest that reach the error named or, where "
+          "none is named, the most accurate; PEER WINS marks what others do better.") +
       table_of(summary_of(results)).html();
   page.figures = figures_of(results);
   for (const Comparison& comparison : results.comparisons)
@@ -189,8 +186,8 @@ std::string page_of(const BenchResults& results, const Circumstances& circumstan
   if (!results.extremes.empty())
     page.sections.push_back(
         {"extremes", "Stiff and extreme cases",
-         paragraph("Each must hold a law: a scaling, a closed solution, a bound. The figure is how "
-                   "far it is from holding, relative to the path unless the law says otherwise.") +
+         paragraph("Each must hold a law: a scaling, a closed solution, a bound. The figure is how far it is "
+                   "from holding, relative to the path unless the law says otherwise.") +
              broken_laws(results.extremes) + folded(table_of(results.extremes))});
   if (!results.omissions.empty())
     page.sections.push_back({"omissions", "What omissions save",
@@ -199,9 +196,8 @@ std::string page_of(const BenchResults& results, const Circumstances& circumstan
   if (!results.coverage.empty())
     page.sections.push_back(
         {"coverage", "Coverage",
-         paragraph("Do 95 % intervals hold the truth in 95 % of simulated campaigns? Counted are "
-                   "those whose fit calls itself usable, with the binomial 95 % range (Clopper and "
-                   "Pearson).") +
+         paragraph("Do 95 % intervals hold the truth in 95 % of simulated campaigns? Counted are those whose "
+                   "fit calls itself usable, with the binomial 95 % range (Clopper and Pearson).") +
              table_of(results.coverage).html()});
   std::string html = "<div class=\"wide\"><table id=\"bench_circumstances\" class=\"compact\"><tbody>\n";
   for (const auto& [name, value] : circumstances)

@@ -379,16 +379,14 @@ VisionBenchOptions quick_vision_options() {
 }
 
 Comparison bench_vision(const VisionBenchOptions& options) {
-  Comparison comparison{
-      "vision",
-      "Error of a position against run time",
-      "rms error over the limit",
-      "x limit",
-      "CPU time of a frame",
-      "truth of analytically rendered pictures; the limit is the Cramer-Rao bound with everything "
-      "but the position known, the 1/12 of rounding included; a whole command's time is ours from start to "
-      "end of "
-      "its process, the peer's decodes and matches"};
+  Comparison comparison{"vision",
+                        "Error of a position against run time",
+                        "rms error over the limit",
+                        "x limit",
+                        "CPU time of a frame",
+                        "truth of analytically rendered pictures; the limit is the Cramer-Rao bound with "
+                        "everything but the position known, the 1/12 of rounding included; a whole command's "
+                        "time is ours from start to end of its process, the peer's decodes and matches"};
   const int total = static_cast<int>(options.radii.size() * options.textures.size() * options.noises.size());
   int done = 0;
   for (const double radius : options.radii)

@@ -29,9 +29,8 @@ void set_aside_repeated(std::vector<Run>& runs) {
       if (!runs[k].takes_part() || !same_recording(runs[i], runs[k])) continue;
       if (here.phi != before.phi || here.dtau != before.dtau)
         throw InvalidInput(
-            "{}: run \"{}\" is the recording of run \"{}\" once more, with another phi_rad or "
-            "dtau_rad: take one "
-            "of them out, or name the right recording",
+            "{}: run \"{}\" is the recording of run \"{}\" once more, with another phi_rad or dtau_rad: take "
+            "one of them out, or name the right recording",
             here.place, here.name, before.name);
       runs[i].repeats = before.name;
     }
@@ -100,8 +99,7 @@ void set_aside_other_parts(const Campaign& campaign, std::vector<Run>& runs) {
       continue;
     seen[k]->failure = fmt::format(
         "{}: run \"{}\": by the scale of the other recordings its part is {:.3g} mm across, not {:.3g} mm: "
-        "is it "
-        "another part? leave the run out, or give its mm_per_px",
+        "is it another part? leave the run out, or give its mm_per_px",
         seen[k]->given.place, seen[k]->given.name, *campaign.part.diameter_mm / ratio,
         *campaign.part.diameter_mm);
   }
@@ -140,20 +138,18 @@ std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Run
   if (!shared.used) {
     shared.finding = fmt::format(
         "{} is not the same in all {} recordings (they scatter by {:.2g} %, chi2 {:.3g}): did the camera "
-        "move? "
-        "each keeps its own scale",
+        "move? each keeps its own scale",
         campaign.camera.tag_mm ? "the tag's side" : "the part's diameter", shared.pooled.count,
         100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px, shared.pooled.chi2);
     return shared;
   }
-  shared.finding =
-      fmt::format("{} recordings share one scale, {} mm/px (chi2 {:.3g}{})", shared.pooled.count,
-                  quoted(shared.pooled.scale.mm_per_px, shared.pooled.scale.sd), shared.pooled.chi2,
-                  shared.pooled.scatter > 0
-                      ? fmt::format("; they scatter by {:.2g} % beyond their own sds, as edges on differing "
-                                    "backgrounds do: the sd of the mean includes it",
-                                    100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px)
-                      : "");
+  shared.finding = fmt::format(
+      "{} recordings share one scale, {} mm/px (chi2 {:.3g}{})", shared.pooled.count,
+      quoted(shared.pooled.scale.mm_per_px, shared.pooled.scale.sd), shared.pooled.chi2,
+      shared.pooled.scatter > 0 ? fmt::format("; they scatter by {:.2g} % beyond their own sds, as edges on "
+                                              "differing backgrounds do: the sd of the mean includes it",
+                                              100 * shared.pooled.scatter / shared.pooled.scale.mm_per_px)
+                                : "");
   for (Run& run : runs) {
     if (!scaled_in_picture(run)) continue;
     rescale(*run.track, shared.pooled.scale);
@@ -195,10 +191,10 @@ std::vector<std::string> no_slides(const fit::Problem& problem, const fit::FitRe
     if (run == problem.trajectory_runs.end() || !run->free_slide ||
         fitted.rms_m < kShare * way_of(run->track))
       continue;
-    sentences.push_back(fmt::format(
-        "run \"{}\" is given as kind = \"free_slide\", but its points lie {:.2g} mm off the slide: is it the "
-        "recording of a driven run, or do `frames` hold more than the slide?",
-        fitted.name, 1e3 * fitted.rms_m));
+    sentences.push_back(
+        fmt::format("run \"{}\" is given as kind = \"free_slide\", but its points lie {:.2g} mm off the "
+                    "slide: is it the recording of a driven run, or do `frames` hold more than the slide?",
+                    fitted.name, 1e3 * fitted.rms_m));
   }
   return sentences;
 }

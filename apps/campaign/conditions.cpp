@@ -31,8 +31,8 @@ model::Drive drive_of(const Campaign& campaign, const CampaignRun& run, bool see
   const auto demand = [&](bool known, const char* key) {
     if (!known && !seen)
       throw InvalidInput(
-          "{}: run \"{}\": {} is neither given nor seen; give it in [platform] (or the run), or "
-          "`marker_px` in [camera]",
+          "{}: run \"{}\": {} is neither given nor seen; give it in [platform] (or the run), or `marker_px` "
+          "in [camera]",
           run.place, run.name, key);
   };
   demand(run.amplitude || given.amplitude, "amplitude_mm");
@@ -49,12 +49,12 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
   const auto channel = [&](int number, const char* key) {
     if (number == 0) return std::vector<double>();
     if (static_cast<std::size_t>(number) > file.channels.size())
-      throw InvalidInput("{}:1: holds {} channel{}, but [scope] {} = {}{}", run.scope->string(),
-                         file.channels.size(), file.channels.size() == 1 ? "" : "s", key, number,
-                         file.layout == "Tektronix TDS"
-                             ? ": this oscilloscope writes a file for each; name both, scope = [\"CH1.csv\", "
-                               "\"CH2.csv\"]"
-                             : "");
+      throw InvalidInput(
+          "{}:1: holds {} channel{}, but [scope] {} = {}{}", run.scope->string(), file.channels.size(),
+          file.channels.size() == 1 ? "" : "s", key, number,
+          file.layout == "Tektronix TDS"
+              ? ": this oscilloscope writes a file for each; name both, scope = [\"CH1.csv\", \"CH2.csv\"]"
+              : "");
     return file.channels[static_cast<std::size_t>(number) - 1];
   };
   fit::ScopeTrace trace{file.start_s, file.increment_s, channel(section.sensor_channel, "sensor_channel"),
@@ -75,8 +75,8 @@ ScopeEvidence scope_of(const Campaign& campaign, const CampaignRun& run, const T
   evidence.trigger_time = section.trigger_time_s ? section.trigger_time_s : track.trigger_time_s;
   if (evidence.tie == "trigger" && !evidence.trigger_time)
     throw InvalidInput(
-        "{}: run \"{}\": the recording does not hold the time of its trigger; give [scope] "
-        "trigger_time_s, the trigger's time in the recording",
+        "{}: run \"{}\": the recording does not hold the time of its trigger; give [scope] trigger_time_s, "
+        "the trigger's time in the recording",
         run.place, run.name);
   if (evidence.tie == "lamp" && track.lamp.time.empty())
     throw InvalidInput(
@@ -94,8 +94,8 @@ void require_same_frequency(const Run& analysed) {
                recording = analysed.measurement->platform->angular_frequency.value;
   if (std::abs(trace / recording - 1) > kSame)
     throw InvalidInput(
-        "{}: run \"{}\": the sensor in {} shows {:.4g} rad/s, the recording {:.4g} rad/s: "
-        "is it the trace of another run? check `scope`",
+        "{}: run \"{}\": the sensor in {} shows {:.4g} rad/s, the recording {:.4g} rad/s: is it the trace of "
+        "another run? check `scope`",
         analysed.given.place, analysed.given.name, analysed.given.scope->string(), trace, recording);
 }
 
@@ -176,13 +176,12 @@ void take_gate(const Campaign& campaign, Run& run) {
   if (phi) run.gate_reference = "command";
   if (phi && dtau) run.gate.reset();
   if (kept.empty()) return;
-  run.measurement->warnings.push_back(fmt::format(
-      "{}: the lamp shows {} only: taken as commanded{}", run.given.name, kept,
-      bracket > 0
-          ? fmt::format("; its frames leave open where in {:.2g} rad an edge lies, as those of a rate that "
-                        "is no multiple of the drive's do not",
-                        bracket)
-          : ""));
+  run.measurement->warnings.push_back(
+      fmt::format("{}: the lamp shows {} only: taken as commanded{}", run.given.name, kept,
+                  bracket > 0 ? fmt::format("; its frames leave open where in {:.2g} rad an edge lies, as "
+                                            "those of a rate that is no multiple of the drive's do not",
+                                            bracket)
+                              : ""));
 }
 
 /// phi, dtau and the phase at the start, and what this run alone knows of them.
@@ -264,8 +263,8 @@ void measure_again(const Campaign& campaign, Run& analysed) {
   if (measured != nullptr) {
     if (!measured->displacement)
       throw InvalidInput(
-          "{}: run \"{}\": angular_frequency_rad_s is neither given nor seen; give it in "
-          "[platform], or `marker_px` in [camera]",
+          "{}: run \"{}\": angular_frequency_rad_s is neither given nor seen; give it in [platform], or "
+          "`marker_px` in [camera]",
           run.place, run.name);
     analysed.displacement = *measured->displacement;
     scenario.cycles = analysed.displacement.cycles;

@@ -116,8 +116,7 @@ std::string phase_reference(const Campaign& campaign, const std::vector<Run>& ru
   if (by_camera + by_sensor == 0) return "";
   if (by_sensor == 0)
     return "phi was measured in the camera's own phase in every run: the lag does not depend on how the "
-           "camera "
-           "is turned.";
+           "camera is turned.";
   return fmt::format(
       "phi counts from the phase sensor in {} of {} runs (commanded, or from an oscilloscope not tied to the "
       "camera): there an angle between the picture's x axis and the platform's displacement at the sensor's "
@@ -135,10 +134,10 @@ std::vector<std::string> warnings_of(const Campaign& campaign, const std::vector
   const auto estimated =
       std::ranges::count_if(runs, [](const Run& run) { return run.track && run.track->sd_from_scatter; });
   if (estimated > 0)
-    warnings.push_back(fmt::format(
-        "{} of {} runs are tracks without standard deviations: they are estimated from the scatter from "
-        "point to point, and the intervals do not count errors slower than that",
-        estimated, runs.size()));
+    warnings.push_back(
+        fmt::format("{} of {} runs are tracks without standard deviations: they are estimated from the "
+                    "scatter from point to point, and the intervals do not count errors slower than that",
+                    estimated, runs.size()));
   for (const Run& run : runs)
     if (run.measurement)
       warnings.insert(warnings.end(), run.measurement->warnings.begin(), run.measurement->warnings.end());
@@ -188,8 +187,7 @@ void note_fewer_cycles(const std::vector<Run>& runs, const Context& context) {
   if (count > 0)
     say(context.quiet,
         fmt::format("note: {} of {} runs hold fewer whole cycles than `cycles` asks for, run \"{}\" {:g} of "
-                    "cycles = {}: "
-                    "all that are there are used",
+                    "cycles = {}: all that are there are used",
                     count, runs.size(), shortest->given.name,
                     static_cast<double>(shortest->displacement.cycles), shortest->given.cycles));
 }
@@ -270,12 +268,11 @@ void report_fit(const Campaign& campaign, const FittedCampaign& fitted, bool exp
   if (result.coder_exceeds_interval())
     context.doubt(kQualityGate, fmt::format("{}: {}", file, coding_sentence(result)));
   if (!result.quoted_under.empty())
-    context.doubt(
-        kQualityGate,
-        fmt::format("{}: the data reject the campaign as it is described (chi2 {:.4g} at {} degrees of "
-                    "freedom); these values hold under {}; as described: {}",
-                    file, result.chi2, result.dof, fmt::join(result.quoted_under, ", and "),
-                    as_described(result)));
+    context.doubt(kQualityGate,
+                  fmt::format("{}: the data reject the campaign as it is described (chi2 {:.4g} at {} "
+                              "degrees of freedom); these values hold under {}; as described: {}",
+                              file, result.chi2, result.dof, fmt::join(result.quoted_under, ", and "),
+                              as_described(result)));
   if (!result.usable()) {
     std::string sentence = fmt::format("{}: do not use these values: {}; see {}", file,
                                        fmt::join(result.verdict_reasons, "; "), look_at);

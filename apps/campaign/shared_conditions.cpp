@@ -213,14 +213,14 @@ constexpr const char* kImplied = " (amplitude_mm, as it is not given)";
 
 std::string contradiction(const PooledQuantity& q, const std::string& seen_by) {
   const Estimate given = in_unit(q.quantity, *q.given), measured = in_unit(q.quantity, *q.measured);
-  return fmt::format(
-      "{}: the campaign gives {}{}, the {} shows {} in {} run{}, {:.1f} sd off: {}",
-      fit::to_string(q.quantity), text_of(given), q.implied ? kImplied : "", seen_by, text_of(measured),
-      q.runs, q.runs == 1 ? "" : "s", std::abs(*q.difference_in_sd),
-      q.exact     ? "the given value is used; leave it out to use the measured one, or give its sd"
-      : q.assumed ? "the mean of both is used, weighted by 1/sd^2, the given one's by its last digit or "
-                    "the trade; mend it, give its sd, or leave it out"
-                  : "the mean of both is used, weighted by 1/sd^2; one of the sds is too small");
+  return fmt::format("{}: the campaign gives {}{}, the {} shows {} in {} run{}, {:.1f} sd off: {}",
+                     fit::to_string(q.quantity), text_of(given), q.implied ? kImplied : "", seen_by,
+                     text_of(measured), q.runs, q.runs == 1 ? "" : "s", std::abs(*q.difference_in_sd),
+                     q.exact ? "the given value is used; leave it out to use the measured one, or give its sd"
+                     : q.assumed
+                         ? "the mean of both is used, weighted by 1/sd^2, the given one's by its last digit "
+                           "or the trade; mend it, give its sd, or leave it out"
+                         : "the mean of both is used, weighted by 1/sd^2; one of the sds is too small");
 }
 
 std::string scattered(const PooledQuantity& q, const std::string& seen_by) {

@@ -62,8 +62,8 @@ void add_run(CLI::App& app, Context& context) {
   command.add_flag("--dry-run", options->dry_run, "Print what would be done, and stop");
   command.add_flag("--explain", options->explain, "Print the whole fit report, and what was left out");
   add_option(command, "--emit", options->emit, "snakemake",
-             "Instead of doing the work, write it into DIR as jobs for a workflow engine, which spreads "
-             "them over a cluster: a Snakefile, and a profile for Slurm")
+             "Instead of doing the work, write it into DIR as jobs for a workflow engine, which spreads them "
+             "over a cluster: a Snakefile, and a profile for Slurm")
       ->check(one_of({"snakemake"}));
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.add_flag("--wait", options->wait, "Wait while another run is writing into DIR (default: refuse)");
@@ -133,9 +133,9 @@ void add_fit(CLI::App& app, Context& context) {
   CLI::App& command = *app.add_subcommand("fit", "Fit mu1, mu2 and the phase lag to the runs of a campaign");
   add_option(command, "CAMPAIGN", options->campaign, "CAMPAIGN.toml", "The campaign file")->required();
   add_option(command, "-o,--output", options->output, "fit.json", "The result")->required(!context.called);
-  add_option(command, "--tracks", options->choices.tracks, "DIR",
-             "Folder with the runs' tracks, NAME.csv (DIR/tracks of `run`); without it the videos are "
-             "tracked now");
+  add_option(
+      command, "--tracks", options->choices.tracks, "DIR",
+      "Folder with the runs' tracks, NAME.csv (DIR/tracks of `run`); without it the videos are tracked now");
   add_option(command, "--part", options->part, "NAME", "Which of the campaign's several [[part]]");
   add_option(command, "--measurements", options->choices.measurements, "DIR",
              "Also write what was measured in each run's track, NAME.json (DIR/measurements of `run`)");
@@ -149,8 +149,8 @@ void add_fit(CLI::App& app, Context& context) {
   add_option(command, "--seed", options->choices.fit.bootstrap_seed, "N",
              "Seed of the bootstrap; recorded in the result");
   add_option(command, "--loss", options->choices.loss, "LOSS",
-             "squares (default) or huber: outlying displacements are down-weighted; what that means for "
-             "the intervals is printed with them")
+             "squares (default) or huber: outlying displacements are down-weighted; what that means for the "
+             "intervals is printed with them")
       ->check(one_of(losses()));
   command.add_flag("--compare-models", options->choices.fit.rivals,
                    "Refit under each explanation (tilt, laws of friction, ...) even where the residuals give "
@@ -177,8 +177,7 @@ std::string run_script(const std::string& script, int& status) {
   for (const char c : script) quoted += c == '\'' ? std::string("'\\''") : std::string{c};
   const std::string command = fmt::format(
       "d=$(mktemp -d) && cd \"$d\" && env -i HOME=\"$d\" MPLCONFIGDIR=\"$d\" LC_ALL=C.UTF-8 /usr/bin/python3 "
-      "-I -B "
-      "'{}' 2>&1; s=$?; rm -rf \"$d\"; exit $s",
+      "-I -B '{}' 2>&1; s=$?; rm -rf \"$d\"; exit $s",
       quoted);
   std::FILE* pipe = ::popen(command.c_str(), "r");
   if (!pipe) throw InvalidInput("/usr/bin/python3 cannot be started");
@@ -239,9 +238,9 @@ void add_report(CLI::App& app, Context& context) {
   add_option(command, "-o,--output", *output, "report.html",
              "The page; it is self-contained and loads nothing from elsewhere");
   add_option(command, "--figures", *figures, "DIR",
-             "Folder for alpha and v against phi and dtau and for the residuals as SVG and PDF, 84 and "
-             "174 mm wide, drawn by matplotlib (Debian's python3-matplotlib), with runs.csv and the script "
-             "that drew them from it");
+             "Folder for alpha and v against phi and dtau and for the residuals as SVG and PDF, 84 and 174 "
+             "mm wide, drawn by matplotlib (Debian's python3-matplotlib), with runs.csv and the script that "
+             "drew them from it");
   add_option(command, "--tables", *tables, "DIR",
              "Folder for runs.csv, parameters.csv and report.txt (DIR itself: where `run` has them)");
   command.add_flag("--json", *json, "Print what was written as one JSON object");

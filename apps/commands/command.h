@@ -37,9 +37,8 @@ void check_output(const std::string& output, bool json, const std::vector<std::f
 /// At the end of the help of `run` and `fit`.
 inline constexpr const char* kOfSds =
     "\n\nA campaign may give KEY_sd beside each quantity (amplitude_mm_sd, gravity_m_s2_sd, phi_rad_sd, "
-    "...): "
-    "the intervals include it. Without one they have that of the last digit or a typical one, unless [fit] "
-    "exact names them.";
+    "...): the intervals include it. Without one they have that of the last digit or a typical one, unless "
+    "[fit] exact names them.";
 
 void add_simulate(CLI::App& app, Context& context);
 void add_sweep(CLI::App& app, Context& context);

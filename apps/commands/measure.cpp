@@ -71,10 +71,9 @@ void add_measure(CLI::App& app, Context& context) {
   CLI::App& command = *app.add_subcommand(
       "measure",
       "Measure one track: its kind of motion; alpha, v and the platform's motion, or mu1 of a free slide");
-  add_option(
-      command, "TRACK", options->track, "T.csv",
-      "A table written by `tribotrack track`, or a track of Tracker, Kinovea, DLTdv, trackpy or another "
-      "program (t_s,x_mm,y_mm)")
+  add_option(command, "TRACK", options->track, "T.csv",
+             "A table written by `tribotrack track`, or a track of Tracker, Kinovea, DLTdv, trackpy or "
+             "another program (t_s,x_mm,y_mm)")
       ->required();
   add_number(command, "--omega-rad-s,--angular-frequency-rad-s", options->choices.omega_rad_s,
              "Angular frequency of the platform, where no marker shows it");
@@ -84,8 +83,7 @@ void add_measure(CLI::App& app, Context& context) {
              "Whole cycles to measure over, at most (default 20)");
   command.add_flag("--free-slide", options->choices.free_slide,
                    "The platform rests and the part slides: mu1, deceleration, stop and spin (also without "
-                   "this flag where "
-                   "no drive is given or seen); exit 4 where the track shows another motion");
+                   "this flag where no drive is given or seen); exit 4 where the track shows another motion");
   add_number(command, "--gravity-m-s2", options->choices.gravity_m_s2,
              "Of a free slide: mu1 = deceleration / g (default 9.81)");
   add_number(command, "--mm-per-px", options->data.tracks.mm_per_px,
@@ -103,9 +101,8 @@ void add_measure(CLI::App& app, Context& context) {
   add_common(
       command, context,
       "  tribotrack measure phi000.csv --json\n  tribotrack measure phi000.csv --omega-rad-s 62.8\n  "
-      "tribotrack "
-      "measure slide.csv --free-slide\n  tribotrack measure tracker.txt --omega-rad-s 62.8 --track-unit "
-      "mm\n\n"
+      "tribotrack measure slide.csv --free-slide\n  tribotrack measure tracker.txt --omega-rad-s 62.8 "
+      "--track-unit mm\n\n"
       "motion (first line; --json: motion, motion_sentence): driven, slide to rest, incline, swinging, "
       "pulled,\n"
       "at rest, with background, unknown. alpha and v belong to a drive that is given or seen, mu1 to a "
@@ -197,8 +194,7 @@ void add_calibrate(CLI::App& app, Context& context) {
   command
       .add_option("PICTURES", options->inputs,
                   "Pictures of the whole board, tilted by 15 to 45 degrees in several directions: files, "
-                  "folders, patterns "
-                  "dir/%05d.png or videos")
+                  "folders, patterns dir/%05d.png or videos")
       ->required();
   add_option(command, "--plane", options->plane, "PICTURE", "A picture of the board lying on the platform")
       ->required();

@@ -230,9 +230,9 @@ void add_sweep(CLI::App& app, Context& context) {
              "Write the table: swept names, alpha_rad, v_mm_s and those of the steady motion")
       ->required(!context.called);
   command.add_flag("--json", options->json, "Print the table as one JSON object, a list for each column");
-  add_common(command, context,
-             "  tribotrack sweep data/figure7a.toml --over phi_rad=0:2pi:73 --over dtau_rad=pi/6:pi:6 -o "
-             "sweep.csv");
+  add_common(
+      command, context,
+      "  tribotrack sweep data/figure7a.toml --over phi_rad=0:2pi:73 --over dtau_rad=pi/6:pi:6 -o sweep.csv");
   command.callback([options, &context] { run_sweep(*options, context); });
 }
 

@@ -65,11 +65,10 @@ void add_open(CLI::App& app, Context& context) {
       ->check(whole_number(1, 65535));
   command.add_flag("--json", options->json, "Print address and folder as one JSON object");
   command.add_flag("--no-browser", options->no_browser, "Print the address only");
-  add_common(
-      command, context,
-      "  tribotrack open recordings\n\nThe page is served to this machine alone, to whoever has its secret "
-      "address. It reads and writes the campaign in that folder and fills CAMPAIGN-out beside it; whatever "
-      "it does is a command that it shows.");
+  add_common(command, context,
+             "  tribotrack open recordings\n\nThe page is served to this machine alone, to whoever has its "
+             "secret address. It reads and writes the campaign in that folder and fills CAMPAIGN-out beside "
+             "it; whatever it does is a command that it shows.");
   command.callback([options, &context] { open_command(*options, context); });
 }
 

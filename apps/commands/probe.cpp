@@ -198,14 +198,12 @@ void add_probe(CLI::App& app, Context& context) {
   CLI::App& command = *app.add_subcommand(
       "probe",
       "Describe a recording: size, depth, frames, where its frame rate comes from, and what lies in it; or "
-      "an "
-      "oscilloscope's trace: layout, channels, sampling, and the lines of [scope] for it");
+      "an oscilloscope's trace: layout, channels, sampling, and the lines of [scope] for it");
   command.add_option("VIDEO", options->video, "The recording, or the trace (.csv, .txt)")->required();
   add_number(command, "--fps", options->fps, "Override the frame rate, to see what follows from it");
-  add_option(
-      command, "--picture", options->picture, "F.png",
-      "Write the first frame with a pixel grid, its discs numbered, LEDs marked, and print the lines of "
-      "[camera] to paste");
+  add_option(command, "--picture", options->picture, "F.png",
+             "Write the first frame with a pixel grid, its discs numbered, LEDs marked, and print the lines "
+             "of [camera] to paste");
   add_option(
       command, "--page", options->page, "F.html",
       "Write a page to point at part, mark and gate LED with the mouse: frames to scrub, lines to copy");
@@ -239,8 +237,7 @@ CampaignDraft draft_for(const InitOptions& options, const Context& context) {
   const std::vector<fs::path> recordings = recordings_in(options.from);
   if (recordings.empty())
     throw InvalidInput(
-        "{}: holds no recording (.cine, video, TIFF stack or folders of pictures); give the "
-        "folder that does",
+        "{}: holds no recording (.cine, video, TIFF stack or folders of pictures); give the folder that does",
         options.from);
   return draft_of(recordings, options.draft, context);
 }
@@ -278,13 +275,12 @@ void add_init(CLI::App& app, Context& context) {
              "Folder to write campaign.toml into; made if it is not there")
       ->required();
   add_option(command, "--from", options->from, "RECORDINGS",
-             "Inspect every recording of this folder: one [[run]] each, with part, mark and gate LED "
-             "found, phi and "
-             "dtau by the name (phi045_dtau060, 45deg_60deg)");
+             "Inspect every recording of this folder: one [[run]] each, with part, mark and gate LED found, "
+             "phi and dtau by the name (phi045_dtau060, 45deg_60deg)");
   add_option(command, "--list", options->list, "RUNS.csv",
              "A table that says of each recording what its name does not: columns video, phi_deg, dtau_deg "
-             "(or _rad, or the unit in the cells), name, cycles, or any other key of a run; separated by , "
-             "; or tabs, decimal commas too")
+             "(or _rad, or the unit in the cells), name, cycles, or any other key of a run; separated by , ; "
+             "or tabs, decimal commas too")
       ->needs(command.get_option("--from"));
   add_number(command, "--disc-diameter-mm", options->draft.diameter_mm,
              "The part's diameter, which sets the scale");

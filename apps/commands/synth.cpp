@@ -158,8 +158,8 @@ void check_recordings(const std::vector<fs::path>& videos, const SynthOptions& o
     const bool rendered = fs::exists(video.string() + ".truth.csv");  // a recording has no known truth
     if (!files.empty() && fs::exists(files.front()) && !rendered)
       throw InvalidInput(
-          "{}: is there already, was not rendered by `synth`, and is not overwritten; give another "
-          "name, or --overwrite",
+          "{}: is there already, was not rendered by `synth`, and is not overwritten; give another name, or "
+          "--overwrite",
           files.front().string());
   }
 }
@@ -209,9 +209,8 @@ void add_synth(CLI::App& app, Context& context) {
              "Scene file (TOML); with [[shot]] entries, one recording each")
       ->required();
   add_option(command, "-o,--output", options->output, "VIDEO",
-             "The recording: .cine, .mkv (FFV1), .avi (MJPEG), .mp4 (H.264), a pattern dir/%05d.png or "
-             ".tif; with "
-             "[[shot]] entries a folder")
+             "The recording: .cine, .mkv (FFV1), .avi (MJPEG), .mp4 (H.264), a pattern dir/%05d.png or .tif; "
+             "with [[shot]] entries a folder")
       ->required();
   add_option(command, "--extension", options->extension, "EXT",
              "With [[shot]] entries: the recordings' file type (default cine)");

@@ -272,15 +272,14 @@ void add_track(CLI::App& app, Context& context) {
   };
   add(
       "--fps-reason", "TEXT", [&camera](const std::string& text) { camera["frame_rate_reason"] = text; },
-      "Source of the frame rate, for the meta file; required if --fps equals the file's "
-      "playback rate");
+      "Source of the frame rate, for the meta file; required if --fps equals the file's playback rate");
   add_option(command, "--calibration", options->choices.calibration, "FILE",
              "Scale, lens and plane of the platform from `tribotrack calibrate`");
   add(
       "--disc", "X,Y,R",
       [&camera](const std::string& text) { camera["disc_px"] = numbers_of("--disc", text, 3, kCircle); },
-      "The disc in the first analysed frame, or where it is first seen there (default: found; "
-      "where several may be it, a picture numbers them)");
+      "The disc in the first analysed frame, or where it is first seen there (default: found; where several "
+      "may be it, a picture numbers them)");
   add(
       "--template", "X,Y,W,H",
       [&camera](const std::string& text) { camera["template_px"] = rectangle_of(text); },
@@ -288,29 +287,28 @@ void add_track(CLI::App& app, Context& context) {
   add(
       "--marker", "X,Y,R|auto|texture|none|tag:FAMILY",
       [&camera](const std::string& text) { set_marker(camera, text); },
-      "Mark fixed to the platform: its motion is subtracted. texture: the platform's own, all that is "
-      "seen of it; auto: a round mark, else texture. Default: texture where it is seen to move, else "
-      "none. tag:FAMILY[:NUMBER]: an ArUco or AprilTag mark, as tag:4x4_50 or tag:apriltag_36h11:3");
+      "Mark fixed to the platform: its motion is subtracted. texture: the platform's own, all that is seen "
+      "of it; auto: a round mark, else texture. Default: texture where it is seen to move, else none. "
+      "tag:FAMILY[:NUMBER]: an ArUco or AprilTag mark, as tag:4x4_50 or tag:apriltag_36h11:3");
   add(
       "--gate", "X,Y,R",
       [&camera](const std::string& text) { camera["gate_px"] = numbers_of("--gate", text, 3, kCircle); },
-      "LED that is on while the actuator is: its brightness is recorded, and `measure` finds phi "
-      "and dtau from it");
+      "LED that is on while the actuator is: its brightness is recorded, and `measure` finds phi and dtau "
+      "from it");
   add(
       "--frames", "A:B[:STEP]",
       [&choices = options->choices](const std::string& text) { set_frames(choices, text); },
       "Image numbers of the first and last frame to analyse, both included; every n-th of them");
   add_option(command, "--layers", options->choices.layers, "auto|on|off",
-             "Second pass with the appearance of disc and platform learned from the recording (default "
-             "auto: for "
-             "discs, kept where it does better)");
+             "Second pass with the appearance of disc and platform learned from the recording (default auto: "
+             "for discs, kept where it does better)");
   add_option(command, "--overlay", options->overlay, "FILE",
              "Picture (.png) or video (.mp4) to check the track by");
   add_option(command, "--first-frame", options->first_frame, "FILE",
              "The first frame in which the part is seen, as a reduced picture (.jpg)");
   add_option(command, "--debug", options->debug, "DIR",
-             "Write a picture of every stage (window, template, weights, prediction, residual; disc, "
-             "share of the ground, and ground of the second pass) and index.txt into this folder");
+             "Write a picture of every stage (window, template, weights, prediction, residual; disc, share "
+             "of the ground, and ground of the second pass) and index.txt into this folder");
   add_option(command, "--debug-frames", options->debug_frames, "N,N,...",
              "Image numbers of the frames that --debug shows (default: first, middle, last, and that with "
              "the largest residual)");
@@ -319,9 +317,8 @@ void add_track(CLI::App& app, Context& context) {
       "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px");
   CLI::Option* campaign =
       add_option(command, "--campaign", options->campaign, "CAMPAIGN.toml",
-                 "With --run: track the recording of one run of this campaign as `run` does, instead of "
-                 "an INPUT; a recording that cannot be used says why in T.log, "
-                 "which `fit --tracks` repeats");
+                 "With --run: track the recording of one run of this campaign as `run` does, instead of an "
+                 "INPUT; a recording that cannot be used says why in T.log, which `fit --tracks` repeats");
   add_option(command, "--run", options->run, "NAME", "Name of the run")->needs(campaign);
   exclude_choices(command, *campaign);
   command.add_flag("--json", options->json, "Print a summary as one JSON object");

@@ -137,8 +137,7 @@ const Keys<PartSection>& part_keys() {
       {"diameter_mm_sd", Kind::sd, at<&P::diameter_sd_mm>, "0.005", "by a caliper"},
       {"chamfer_mm", Kind::not_negative, at<&P::chamfer_mm>, "0.1",
        "width of its chamfer seen from above, 0 for a sharp edge: without it a diameter gives the scale to 1 "
-       "to "
-       "2 %"},
+       "to 2 %"},
       {"height_mm", Kind::above_zero, at<&P::height_mm>, "0.8",
        "with working_distance_mm: the part's top is nearer to the camera than the mark"},
       {"height_mm_sd", Kind::sd, at<&P::height_sd_mm>, "0.01"},
@@ -186,17 +185,17 @@ const Keys<CameraSection>& camera_keys() {
 
 CameraSection read_camera(StrictTable& table, const fs::path& folder) {
   if (table.has("rehearse"))
-    table.fail(
-        "rehearse",
-        "has left: standard deviations include what the codec may have done; leave the key out, and for "
-        "smaller ones film uncompressed or FFV1");
+    table.fail("rehearse",
+               "has left: standard deviations include what the codec may have done; leave the key out, and "
+               "for smaller ones film uncompressed or FFV1");
   CameraSection camera;
   read_keys(table, camera_keys(), camera, folder);
   check_camera(table, camera);
   if (camera.calibration && !fs::exists(*camera.calibration))
-    table.fail("calibration", fmt::format("names {}, which is not there; check its name, or make it with "
-                                          "`tribotrack calibrate`",
-                                          camera.calibration->string()));
+    table.fail(
+        "calibration",
+        fmt::format("names {}, which is not there; check its name, or make it with `tribotrack calibrate`",
+                    camera.calibration->string()));
   table.finish();
   return camera;
 }
@@ -308,8 +307,7 @@ vision::CameraCalibration read_calibration(const std::filesystem::path& path) {
   if (!(c.lens.fx > 0 && c.lens.fy > 0 && c.mm_per_px > 0 && c.width > 0 && c.height > 0 &&
         c.distance_mm() > 0))
     throw InvalidInput(
-        "{}: is no calibration: its sizes must be greater than 0; make a new one with "
-        "`tribotrack calibrate`",
+        "{}: is no calibration: its sizes must be greater than 0; make a new one with `tribotrack calibrate`",
         path.string());
   return c;
 }

@@ -45,8 +45,8 @@ void require_known_schema(const Json& meta, const std::filesystem::path& file) {
   const auto schema = meta.find("schema");
   if (schema == meta.end() || !schema->is_number_integer() || *schema <= kSchemaVersion) return;
   throw InvalidInput(
-      "{}: `schema` is {}, written by a newer tribotrack; this one reads up to {}: update it, or "
-      "run the campaign again",
+      "{}: `schema` is {}, written by a newer tribotrack; this one reads up to {}: update it, or run the "
+      "campaign again",
       file.string(), schema->dump(), kSchemaVersion);
 }
 
@@ -205,8 +205,7 @@ RunFolderLock::RunFolderLock(const RunFolder& folder, const fs::path& campaign, 
     if (::flock(descriptor_, wait ? LOCK_EX : LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       ::close(descriptor_);
       throw InvalidInput(
-          "{}: another run is writing there: {}; wait until it has finished (--wait), or give "
-          "another folder",
+          "{}: another run is writing there: {}; wait until it has finished (--wait), or give another folder",
           folder.root.string(), holder_in(file_));
     }
     // A file system without locks: better without one than not at all.

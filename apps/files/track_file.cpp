@@ -208,9 +208,8 @@ Track track_described_by(const Json& meta, const std::filesystem::path& path) {
       meta.is_object() && meta.contains("command") && meta.at("command") != "track";
   if (!meta.is_object() || meta.empty() || of_another_command)
     throw InvalidInput(
-        "{}: is not the meta file of a track; track the recording again, or put back the file "
-        "that `tribotrack track` "
-        "wrote",
+        "{}: is not the meta file of a track; track the recording again, or put back the file that "
+        "`tribotrack track` wrote",
         path.string());
   require_known_schema(meta, path);
   try {
@@ -229,8 +228,8 @@ Track track_of_text(const std::filesystem::path& path, std::string text, const s
   const TrackRows rows = read_track_rows(path, std::move(text));
   if (rows.has_marker && !rows.has_planes && !track.mm_per_px)
     throw InvalidInput(
-        "{}: without it the marker's columns of {} have no scale; put it back beside the table, or make "
-        "both again with `tribotrack track`",
+        "{}: without it the marker's columns of {} have no scale; put it back beside the table, or make both "
+        "again with `tribotrack track`",
         meta_path.string(), path.string());
   return with_rows(std::move(track), rows, path);
 }

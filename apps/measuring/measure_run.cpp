@@ -77,9 +77,8 @@ void require_same_sense(const std::string& name, const fit::PlatformMotion& seen
   const double stated = std::sin(phase_shift), measured = std::sin(seen.phase_shift.value);
   if (stated * measured >= 0 || std::abs(measured) < 5 * seen.phase_shift.sd) return;
   throw InvalidInput(
-      "{}: the platform is seen to turn {}, but phase_shift_rad = {:.4g} means {}; set "
-      "phase_shift_rad = {:.4g}, or check "
-      "whether the picture is mirrored",
+      "{}: the platform is seen to turn {}, but phase_shift_rad = {:.4g} means {}; set phase_shift_rad = "
+      "{:.4g}, or check whether the picture is mirrored",
       name, seen.clockwise ? "clockwise" : "counter-clockwise", phase_shift,
       seen.clockwise ? "counter-clockwise" : "clockwise", -phase_shift);
 }
@@ -168,10 +167,10 @@ void measure_gate(const std::string& name, const Track& track, const GivenCondit
       m.gate->source = "lamp and scope";
       if (std::abs(lamp.dtau.value - seen.timing->dtau.value) >
           5 * std::hypot(lamp.dtau.sd, seen.timing->dtau.sd) + 0.01)
-        warn(fmt::format(
-            "the gate LED shows dtau = {:.4f} rad, the oscilloscope {:.4f}: the oscilloscope's is used; does "
-            "the LED follow the actuator's gate?",
-            lamp.dtau.value, seen.timing->dtau.value));
+        warn(
+            fmt::format("the gate LED shows dtau = {:.4f} rad, the oscilloscope {:.4f}: the oscilloscope's "
+                        "is used; does the LED follow the actuator's gate?",
+                        lamp.dtau.value, seen.timing->dtau.value));
     }
   } else if (scope.tie == "trigger" && scope.trigger_time && m.phase_clock) {
     fit::PhaseClock clock = *m.phase_clock;
@@ -224,13 +223,11 @@ RunMeasurement measure_run(const std::string& name, const Track& track, const Gi
   m.phase_clock = clock_of(m, given);
   measure_gate(name, track, given, m);
   if (m.platform && m.platform->frequency_drifts())
-    m.warnings.push_back(
-        fmt::format("{}: the platform's frequency drifts by {} rad/s^2, {:.2g} % of w over the "
-                    "recording; w "
-                    "is its mean",
-                    name, quoted(m.platform->frequency_drift->value, m.platform->frequency_drift->sd),
-                    100 * std::abs(m.platform->frequency_drift->value) * (track.table.time.back() - start) /
-                        m.platform->angular_frequency.value));
+    m.warnings.push_back(fmt::format(
+        "{}: the platform's frequency drifts by {} rad/s^2, {:.2g} % of w over the recording; w is its mean",
+        name, quoted(m.platform->frequency_drift->value, m.platform->frequency_drift->sd),
+        100 * std::abs(m.platform->frequency_drift->value) * (track.table.time.back() - start) /
+            m.platform->angular_frequency.value));
   if (m.angular_frequency) {
     try {
       m.displacement = fit::measure_displacement(track.table, *m.angular_frequency, given.cycles);
@@ -263,8 +260,7 @@ std::vector<std::string> differences(const std::string& name, const RunMeasureme
 std::string CodedMotion::sentence() const {
   return fmt::format(
       "the codec ({}) attenuates the platform's motion by up to {:.2g} % and delays it by up to {:.2g} rad: "
-      "the "
-      "intervals include both{}",
+      "the intervals include both{}",
       coder, 100 * attenuation, delay,
       exceeds ? ", and both together dominate them: film uncompressed or all-intra" : "");
 }

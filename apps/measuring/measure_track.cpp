@@ -93,8 +93,7 @@ std::string sentence_of(const fit::ShownMotion& m, const fit::TrackTable& table)
   }
   return fmt::format(
       "the part moves by up to {:.3g} mm, and neither circles, nor swings, nor decelerates constantly, nor "
-      "goes "
-      "one way",
+      "goes one way",
       mm(m.way));
 }
 
@@ -123,8 +122,7 @@ TrackMotion motion_of(const Track& track, const std::optional<fit::PlatformMotio
   motion.shown.kind = Kind::with_background;
   motion.sentence = fmt::format(
       "the mark moves and does not circle ({:.2g} mm rms are left of a circle of {:.2g} mm): the camera or "
-      "the "
-      "platform was moved{}",
+      "the platform was moved{}",
       mm(platform->residual_rms), mm(amplitude_of(*platform)),
       keeps_to_mark(track.table) ? ", and the part goes with it" : "");
   return motion;
@@ -152,8 +150,7 @@ std::string TrackMotion::remedy() const {
       break;
   }
   return "is it the part that was tracked? see track --overlay, and choose the frames in which it slides or "
-         "is "
-         "driven";
+         "is driven";
 }
 
 namespace {
@@ -286,8 +283,8 @@ TrackMeasurement measure_free_slide(const std::string& name, const Track& track,
   std::vector<std::string> warnings = fit.warnings;
   if (fit.agreement == fit::Agreement::poor || fit.agreement == fit::Agreement::only_with_scatter)
     warnings.push_back(
-        fmt::format("{}: the deceleration is not constant within the track's errors (chi2 {:.3g} at "
-                    "{} degrees of freedom); the sd counts the scatter",
+        fmt::format("{}: the deceleration is not constant within the track's errors (chi2 {:.3g} at {} "
+                    "degrees of freedom); the sd counts the scatter",
                     name, slide.chi2, slide.dof));
   TrackMeasurement result{slide_json(fit, track, gravity, warnings),
                           warnings,

@@ -219,8 +219,8 @@ std::string with_edit(const std::string& text, const CampaignEdit& edit, const s
   }
   if (!done)
     throw InvalidInput(
-        "{}: {} is written in a way that only a person can change (an inline or a dotted "
-        "table); change it in the file",
+        "{}: {} is written in a way that only a person can change (an inline or a dotted table); change it "
+        "in the file",
         name, edit.key);
   return changed;
 }

@@ -33,8 +33,7 @@ bool same_text(std::string_view a, std::string_view b) {
 
 constexpr const char* kOwnPolicy =
     "default-src 'none'; img-src 'self'; connect-src 'self'; script-src 'self'; style-src 'self'; frame-src "
-    "'self'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    "'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 }  // namespace
 
@@ -106,8 +105,7 @@ LocalServer::LocalServer(int port, std::function<Answer(const Asked&)> answer)
     in.port = -1;
   if (in.port < 0)
     throw InvalidInput(
-        "--port {}: cannot be listened at; another program has it, or only root may: give "
-        "another, or none",
+        "--port {}: cannot be listened at; another program has it, or only root may: give another, or none",
         port);
 }
 

@@ -182,10 +182,9 @@ Answer OpenSession::changed(const Json& wanted) {
     const std::lock_guard lock(mutex_);
     const std::string now = revision();
     if (text_in(wanted, "revision") != now)
-      return refusal(409,
-                     name_ +
-                         " has changed since this page read it, in another tab or an editor: nothing was "
-                         "written. The page now shows it as it is.");
+      return refusal(409, name_ +
+                              " has changed since this page read it, in another tab or an editor: nothing "
+                              "was written. The page now shows it as it is.");
     if (now == "none") return refusal(400, "there is no campaign yet: draft one first");
     write_campaign(file(), with_changes(wanted, campaign_text()));
   }

@@ -288,8 +288,7 @@ std::string html_of(Page page) {
 std::string figure_box(const Figure& figure) {
   return fmt::format(
       "<figure class=\"plot\" id=\"figure-{0}\"{4}><div id=\"plot-{0}\" class=\"box\" role=\"img\" "
-      "tabindex=\"0\" "
-      "aria-label=\"{1}\"></div><figcaption><b>{2}.</b> {3}</figcaption></figure>\n",
+      "tabindex=\"0\" aria-label=\"{1}\"></div><figcaption><b>{2}.</b> {3}</figcaption></figure>\n",
       figure.id, escape_html(figure.alternative.empty() ? figure.title : figure.alternative),
       escape_html(figure.title), figure.caption,
       figure.width < 1 ? fmt::format(" style=\"max-width:max({:.0f}%,{}px)\"", 100 * figure.width, kNarrowest)

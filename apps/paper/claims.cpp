@@ -164,10 +164,9 @@ Answer circular_end_state(const Solver&) {
     worst = std::max({worst, std::abs(orbit->velocity.norm() / w - radius) / radius,
                       orbit->drift.norm() / s.drive.amplitude});
   }
-  return {
-      worst > 1e-11 ? Verdict::refuted : Verdict::exact, worst,
-      "The periodic motion at constant mu < a/g (a = A_e omega^2) is the circle of the closed form and goes "
-      "nowhere; at higher mu the part rests."};
+  return {worst > 1e-11 ? Verdict::refuted : Verdict::exact, worst,
+          "The periodic motion at constant mu < a/g (a = A_e omega^2) is the circle of the closed form and "
+          "goes nowhere; at higher mu the part rests."};
 }
 
 Answer keeps_moving(const Solver& solve) {
@@ -194,10 +193,9 @@ Answer displacement_over_width(const Solver& solve) {
           : last < 2 * pi     ? Verdict::holds_in_part
                               : Verdict::holds,
           least,
-          fmt::format(
-              "From pi/10 to pi/4 the displacement over 3 cycles grows {:.1f} to {:.1f} times; it grows up "
-              "to dtau = {:.2f} to {:.2f} rad only and falls after.",
-              least, most, first, last)};
+          fmt::format("From pi/10 to pi/4 the displacement over 3 cycles grows {:.1f} to {:.1f} times; it "
+                      "grows up to dtau = {:.2f} to {:.2f} rad only and falls after.",
+                      least, most, first, last)};
 }
 
 Answer alpha_by_phase(const Solver& solve) {
@@ -213,10 +211,9 @@ Answer alpha_by_phase(const Solver& solve) {
     by_amplitude = std::max(by_amplitude, degrees_between(reference, wide));
   }
   return {by_phi < std::max(by_width, by_amplitude) ? Verdict::refuted : Verdict::holds, by_phi,
-          fmt::format(
-              "120 deg more of phi turn alpha by at least {:.0f} deg; dtau from pi/10 to pi/4 turns it by "
-              "at most {:.0f} deg, A_e from 0.28 to 0.32 mm by {:.0f} deg.",
-              by_phi, by_width, by_amplitude)};
+          fmt::format("120 deg more of phi turn alpha by at least {:.0f} deg; dtau from pi/10 to pi/4 turns "
+                      "it by at most {:.0f} deg, A_e from 0.28 to 0.32 mm by {:.0f} deg.",
+                      by_phi, by_width, by_amplitude)};
 }
 
 Answer full_circle(const Solver& solve) {
@@ -237,10 +234,9 @@ Answer less_stretched(const Solver&) {
     wide = std::min(wide, stretch(paper_conditions(0.12, pi, 2 * pi * i / 8)));
   }
   return {wide > narrow ? Verdict::refuted : Verdict::holds_in_part, wide,
-          fmt::format(
-              "More stretched: the displacement is at least {:.2f} of the path at dtau = pi, at most {:.2f} "
-              "at pi/6. The paper's own sentence on figure 4 says so too.",
-              wide, narrow)};
+          fmt::format("More stretched: the displacement is at least {:.2f} of the path at dtau = pi, at most "
+                      "{:.2f} at pi/6. The paper's own sentence on figure 4 says so too.",
+                      wide, narrow)};
 }
 
 Answer v_over_width(const Solver& solve) {
@@ -323,9 +319,9 @@ Answer v_over_phase(const Solver& solve) {
                  [](const Curve&, const Values&, const Values& v) { return 100 * spread(v) / mean(v); });
   return {
       steady > kRounding ? Verdict::refuted : Verdict::exact, steady,
-      fmt::format("Steady: exactly (rotation). Over 20 cycles from rest v varies with phi by up to {:.0f} % "
-                  "({}).",
-                  rest, where)};
+      fmt::format(
+          "Steady: exactly (rotation). Over 20 cycles from rest v varies with phi by up to {:.0f} % ({}).",
+          rest, where)};
 }
 
 Answer alpha_over_phase(const Solver& solve) {
@@ -336,11 +332,10 @@ Answer alpha_over_phase(const Solver& solve) {
                    const double middle = mean(sums);
                    return degrees(std::max(std::ranges::max(sums) - middle, middle - std::ranges::min(sums)));
                  });
-  return {
-      steady > kRounding ? Verdict::refuted : Verdict::exact, steady,
-      fmt::format("Steady: slope exactly -1 (rotation). Over 20 cycles from rest alpha leaves the line by up "
-                  "to {:.1f} deg ({}), since the transient does not turn with phi.",
-                  rest, where)};
+  return {steady > kRounding ? Verdict::refuted : Verdict::exact, steady,
+          fmt::format("Steady: slope exactly -1 (rotation). Over 20 cycles from rest alpha leaves the line "
+                      "by up to {:.1f} deg ({}), since the transient does not turn with phi.",
+                      rest, where)};
 }
 
 Answer alpha_over_width(const Solver& solve) {
@@ -358,8 +353,7 @@ Answer alpha_over_width(const Solver& solve) {
   if (!rises.empty()) answer.verdict = Verdict::holds_in_part;
   answer.finding = fmt::format(
       "Steady alpha falls throughout for mu1 = {}, also rises for mu1 = {}. Not slowly: by up to {:.2f} rad "
-      "per "
-      "rad on the average (a weak pulse: 1/2, its middle moves).",
+      "per rad on the average (a weak pulse: 1/2, its middle moves).",
       falls, rises.empty() ? "none" : rises, -answer.value);
   return answer;
 }
@@ -371,10 +365,9 @@ Answer alpha_over_amplitude(const Solver& solve) {
         most, degrees(spread(solve(paper_conditions(0.1, 2 * pi / 3, pi / 2), "amplitude_mm", from, to, 40)
                                  .steady_alpha_rad)));
   return {most > 5 ? Verdict::holds_in_part : Verdict::holds, most,
-          fmt::format(
-              "Steady alpha moves by at most {:.2f} deg within each range above 1 mm; from rest more, as 20 "
-              "cycles are then only part of the transient.",
-              most)};
+          fmt::format("Steady alpha moves by at most {:.2f} deg within each range above 1 mm; from rest "
+                      "more, as 20 cycles are then only part of the transient.",
+                      most)};
 }
 
 Answer alpha_over_frequency(const Solver& solve) {
@@ -390,11 +383,10 @@ Answer alpha_over_frequency(const Solver& solve) {
     off = std::max(off, degrees_between(alpha, solve(s).steady_alpha_rad[0]));
     if (curve.swept[k] > same_as_1_mm) range = std::max(range, degrees_between(first, alpha));
   }
-  return {
-      off > kRounding ? Verdict::refuted : Verdict::exact, off,
-      fmt::format("Exactly alike: steady alpha depends on A_e omega^2 alone, so that 1 mm at 62.8 rad/s is "
-                  "{:.0f} rad/s at 0.28 mm; from there to 160 rad/s it moves by {:.1f} deg.",
-                  same_as_1_mm, range)};
+  return {off > kRounding ? Verdict::refuted : Verdict::exact, off,
+          fmt::format("Exactly alike: steady alpha depends on A_e omega^2 alone, so that 1 mm at 62.8 rad/s "
+                      "is {:.0f} rad/s at 0.28 mm; from there to 160 rad/s it moves by {:.1f} deg.",
+                      same_as_1_mm, range)};
 }
 
 Answer alpha_over_ratio(const Solver& solve) {
@@ -423,11 +415,10 @@ Answer effect_of_tilt(const Solver& solve) {
     }
   }
   return {Verdict::holds_in_part, turned,
-          fmt::format(
-              "0.1 deg of tilt turns alpha by up to {:.0f} deg and changes v by up to {:.0f} %, most at "
-              "narrow pulses: the model holds as far as the platform is level, and a fit to recordings has "
-              "to carry the tilt.",
-              turned, changed)};
+          fmt::format("0.1 deg of tilt turns alpha by up to {:.0f} deg and changes v by up to {:.0f} %, most "
+                      "at narrow pulses: the model holds as far as the platform is level, and a fit to "
+                      "recordings has to carry the tilt.",
+                      turned, changed)};
 }
 
 Answer v_in_experiment(const Solver& solve) {
@@ -448,11 +439,10 @@ Answer further_in_experiment(const Solver&) {
       last = here;
     }
   }
-  return {
-      least > 1 ? Verdict::holds : Verdict::holds_in_part, least,
-      fmt::format("In the model, at every phi: over 20 cycles from rest each of pi/6, pi/3, pi/2, 2 pi/3, pi "
-                  "takes it at least {:.2f} times as far as the one before.",
-                  least)};
+  return {least > 1 ? Verdict::holds : Verdict::holds_in_part, least,
+          fmt::format("In the model, at every phi: over 20 cycles from rest each of pi/6, pi/3, pi/2, 2 "
+                      "pi/3, pi takes it at least {:.2f} times as far as the one before.",
+                      least)};
 }
 
 struct Stated {
@@ -473,8 +463,7 @@ constexpr Stated kStated[] = {
      keeps_moving},
     {{4, "displacement over dtau", "2.2, figures 4a and 4b; 4",
       "When dtau increases, a higher system asymmetry is created, and due this reason the displacement of "
-      "the "
-      "part increases at the same number of circular oscillation cycles",
+      "the part increases at the same number of circular oscillation cycles",
       "displacement grows at least", "times"},
      "dtau = pi/10 to pi/4",
      displacement_over_width},
@@ -484,8 +473,7 @@ constexpr Stated kStated[] = {
      alpha_by_phase},
     {{5, "full circle", "2.2, figures 5 and 7a; 4",
       "The angle of displacement alpha can be controlled in a full range from 0 to 2 pi by changing the "
-      "phase "
-      "shift phi",
+      "phase shift phi",
       "turns of alpha per turn of phi, 20 cycles from rest", ""},
      "",
      full_circle},
@@ -495,8 +483,7 @@ constexpr Stated kStated[] = {
      less_stretched},
     {{6, "v over dtau", "2.2, figure 6a; 4",
       "As dtau increases up to 3 pi/2, the mean displacement velocity v also increases [...] However, a "
-      "further "
-      "increase in dtau results in a decrease in v",
+      "further increase in dtau results in a decrease in v",
       "dtau of the greatest v, steady", "rad"},
      "mu1 = 0.1, mu1/mu2 = 8",
      v_over_width},
@@ -545,8 +532,7 @@ constexpr Stated kStated[] = {
      alpha_over_width},
     {{7, "alpha over A_e", "2.2, figure 7c",
       "At higher amplitudes (higher than 1 mm), a negligible influence of A_e on the displacement angle "
-      "alpha "
-      "was observed",
+      "alpha was observed",
       "range of steady alpha, at most", "deg"},
      "A_e above 1 mm",
      alpha_over_amplitude},

@@ -80,18 +80,16 @@ PageSection section_of(const PaperFigure& figure, const Paper& paper) {
 }
 
 PageSection sources_section() {
-  return {
-      "sources", "Where the numbers come from",
-      fmt::format(
-          "<p>The paper: {}. Its sentences are quoted with their symbols; [...] marks words left "
-          "out.</p>\n<p>The conditions of each figure stand below it and in <code>data/figure*.toml</code>, "
-          "which this program carries. The motion, equation (5) of the paper, is solved between its events: "
-          "friction switches, stops and releases are hit exactly, and an end after 20 cycles is good to some "
-          "10<sup>−13</sup> of the path.</p>\n<p>The verdicts are in <code>claims.csv</code> beside this "
-          "page. "
-          "<code>tribotrack sweep data/figure6a.toml -o figure6a.csv</code> gives the curves of one "
-          "panel.</p>\n",
-          kPaper)};
+  return {"sources", "Where the numbers come from",
+          fmt::format(
+              "<p>The paper: {}. Its sentences are quoted with their symbols; [...] marks words left "
+              "out.</p>\n<p>The conditions of each figure stand below it and in "
+              "<code>data/figure*.toml</code>, which this program carries. The motion, equation (5) of the "
+              "paper, is solved between its events: friction switches, stops and releases are hit exactly, "
+              "and an end after 20 cycles is good to some 10<sup>−13</sup> of the path.</p>\n<p>The verdicts "
+              "are in <code>claims.csv</code> beside this page. <code>tribotrack sweep data/figure6a.toml -o "
+              "figure6a.csv</code> gives the curves of one panel.</p>\n",
+              kPaper)};
 }
 
 }  // namespace

@@ -90,8 +90,8 @@ std::string identifiability_text(const ReportData& data) {
     other_minima.push_back(data.fit.minima[k].sentence);
   if (!other_minima.empty())
     html +=
-        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals to quote include "
-        "them where they are within 95 %.</p>\n" +
+        "<h3>Other minima</h3>\n<p>Other values fit nearly as well; the intervals to quote include them "
+        "where they are within 95 %.</p>\n" +
         html_list(other_minima);
   return html;
 }

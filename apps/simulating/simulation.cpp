@@ -116,8 +116,8 @@ void require_sensible_table(const std::string& name, const model::Scenario& scen
   const double rows = intervals_of(scenario, samples_per_cycle) + 1;
   if (rows * kBytesPerRow < kLargest) return;
   throw InvalidInput(
-      "{}: the table would have {:.0f} rows and take about {:.3g} GB, of at most {:.0f} GB: "
-      "lower --cycles or --samples-per-cycle",
+      "{}: the table would have {:.0f} rows and take about {:.3g} GB, of at most {:.0f} GB: lower --cycles "
+      "or --samples-per-cycle",
       name, rows, 1e-9 * rows * kBytesPerRow, 1e-9 * kLargest);
 }
 

@@ -171,10 +171,10 @@ void place_drive(CampaignDraft& draft, const std::vector<Look>& looks) {
   if (timed)
     draft.tables["platform"]["angular_frequency_rad_s"] = {
         fmt::format("{:.4g}", w), "what the part shows: fill in what the drive is set to", true};
-  draft.missing.push_back(fmt::format(
-      "angular_frequency_rad_s and amplitude_mm in [platform]: no mark shows them; the part in {} "
-      "goes round{}",
-      look->path.stem().string(), timed ? fmt::format(" at about {:.4g} rad/s", w) : ""));
+  draft.missing.push_back(
+      fmt::format("angular_frequency_rad_s and amplitude_mm in [platform]: no mark shows them; the part in "
+                  "{} goes round{}",
+                  look->path.stem().string(), timed ? fmt::format(" at about {:.4g} rad/s", w) : ""));
 }
 
 /// Marks and lamps: under [camera] where all recordings agree, else with each run.
@@ -393,8 +393,7 @@ std::string toml_of(const CampaignDraft& draft) {
       "# Units stand in the key names. Angles are radians: a number, or a text such as \"pi/3\" or "
       "\"60deg\".\n"
       "# KEY_sd is the standard deviation of KEY: the intervals count it; without one, that of its last "
-      "digit "
-      "or of the trade.\n"
+      "digit or of the trade.\n"
       "# What is given and also seen in the recordings is compared. All keys: tribotrack help campaign\n";
   for (const std::string& missing : draft.missing)
     text += fmt::format("# TO FILL IN: {}\n", toml_comment(missing));

@@ -549,11 +549,9 @@ bool CsvTable::next() {
       fail(fmt::format("has more than {} columns, which no table of measurements has; check the file",
                        kMostColumns));
     if (!header_.empty() && filled() > header_.size())
-      fail(cells_[header_.size()],
-           fmt::format(
-               "has {} cells under {} columns; is a decimal comma among them? then separate the cells by "
-               "semicolons",
-               filled(), header_.size()));
+      fail(cells_[header_.size()], fmt::format("has {} cells under {} columns; is a decimal comma among "
+                                               "them? then separate the cells by semicolons",
+                                               filled(), header_.size()));
     return true;
   }
   return false;

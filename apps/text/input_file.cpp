@@ -170,8 +170,7 @@ void InputState::require_unchanged() const {
     const File now = state_of(before.path);
     if (now.size != before.size || now.changed != before.changed)
       throw InvalidInput(
-          "{}: changed while it was being read; start again once it is complete (is it still "
-          "being copied?)",
+          "{}: changed while it was being read; start again once it is complete (is it still being copied?)",
           before.path.string());
   }
 }
@@ -224,8 +223,8 @@ std::string toml_slip(std::string_view text, std::size_t number, std::size_t col
   }
   return fmt::format(
       "`{}` cannot be read from column {} on: write KEY = VALUE, [TABLE] or # COMMENT; numbers with a point "
-      "and "
-      "without a unit (0.28), texts in quotes (\"a.cine\", folders divided by /), brackets and quotes closed",
+      "and without a unit (0.28), texts in quotes (\"a.cine\", folders divided by /), brackets and quotes "
+      "closed",
       line_of(text, number).substr(0, 60), column);
 }
 

@@ -47,8 +47,8 @@ void require_replaceable(const fs::path& path, Content content) {
                        path.string());
   if (content == Content::result && names_a_recording(path))
     throw InvalidInput(
-        "{}: cannot be written: {} is the name of a recording or a picture, and "
-        "the output is none; give another name",
+        "{}: cannot be written: {} is the name of a recording or a picture, and the output is none; give "
+        "another name",
         path.string(), path.extension().string());
   std::error_code error;
   const fs::file_status status = fs::status(path, error);

@@ -244,11 +244,10 @@ std::optional<double> StrictTable::angle(std::string_view key) {
   const auto text = node->value_exact<std::string>();
   const auto value = text ? parse_angle(*text) : number_in(*node);
   if (!value)
-    fail(key,
-         text ? fmt::format("must be an angle in radians, a number or a text such as \"11pi/9\", \"-pi/2\" "
-                            "or \"90deg\", not \"{}\"",
-                            *text)
-              : fmt::format("must be an angle in radians, not {}", kind_of(*node)));
+    fail(key, text ? fmt::format("must be an angle in radians, a number or a text such as \"11pi/9\", "
+                                 "\"-pi/2\" or \"90deg\", not \"{}\"",
+                                 *text)
+                   : fmt::format("must be an angle in radians, not {}", kind_of(*node)));
   if (!std::isfinite(*value)) fail(key, "must be a finite angle");
   if (const std::string slip = angle_slip(*value); !slip.empty()) fail(key, slip);
   return value;

@@ -177,8 +177,8 @@ GrowingCampaign::GrowingCampaign(const DraftOptions& draft)
   if (fs::exists(file_)) return;
   if (!draft.diameter_mm)
     throw InvalidInput(
-        "{}: there is no campaign yet, and its scale is not known: give --disc-diameter-mm, or "
-        "write one with `tribotrack init {}`",
+        "{}: there is no campaign yet, and its scale is not known: give --disc-diameter-mm, or write one "
+        "with `tribotrack init {}`",
         file_.string(), folder_.string());
   CampaignDraft first;
   take_given(draft, first);

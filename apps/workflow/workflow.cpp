@@ -75,10 +75,8 @@ Json json_of(const WorkflowOptions& options, const Campaign& campaign) {
 void write_workflow(const WorkflowOptions& options, const Campaign& campaign) {
   create_folder(options.output);
   if (const auto writer = writer_of(RunFolder{options.output}))
-    throw InvalidInput(
-        "{}: a run is writing there: {}; wait until it has finished, or give "
-        "another folder",
-        options.output.string(), *writer);
+    throw InvalidInput("{}: a run is writing there: {}; wait until it has finished, or give another folder",
+                       options.output.string(), *writer);
   const fs::path slurm = options.output / "slurm";
   create_folder(slurm / "logs");  // Slurm does not make it
   const std::vector<std::pair<fs::path, std::string>> files = {

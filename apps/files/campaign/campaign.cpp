@@ -34,15 +34,14 @@ StrictTable parse_campaign(const std::string& text, const fs::path& file) {
 void check_sds(const Campaign& campaign, StrictTable& top) {
   const CameraSection& camera = campaign.camera;
   if (campaign.part.height_sd_mm && !camera.working_distance_mm && !camera.calibration)
-    top.table("part")->fail("height_mm_sd",
-                            "needs working_distance_mm (or a calibration) in [camera]: without "
-                            "it the height is not used");
+    top.table("part")->fail(
+        "height_mm_sd",
+        "needs working_distance_mm (or a calibration) in [camera]: without it the height is not used");
   if (camera.working_distance_sd_mm && (!campaign.part.height_mm || camera.calibration))
     top.table("camera")->fail("working_distance_mm_sd",
                               camera.calibration
                                   ? "is not used: the calibration holds its own distance"
-                                  : "needs height_mm in [part]: without it the distance is not "
-                                    "used");
+                                  : "needs height_mm in [part]: without it the distance is not used");
   const PlatformSection& p = campaign.platform;
   const std::map<FitParameter, bool> known = {
       {FitParameter::amplitude, p.amplitude_sd.has_value()},
@@ -74,10 +73,10 @@ void require_all_parameters(const Campaign& campaign, StrictTable& top) {
            std::count(campaign.fit.parameters.begin(), campaign.fit.parameters.end(), parameter) > 0;
   };
   const auto demand = [&](const char* names) {
-    top.table("fit")->fail("parameters",
-                           fmt::format("does not name {0}, and [fit.fixed] holds no value of {0}: "
-                                       "fit it, or give it there",
-                                       names));
+    top.table("fit")->fail(
+        "parameters",
+        fmt::format("does not name {0}, and [fit.fixed] holds no value of {0}: fit it, or give it there",
+                    names));
   };
   const bool pulses = std::any_of(campaign.runs.begin(), campaign.runs.end(),
                                   [](const CampaignRun& run) { return !run.free_slide && run.dtau > 0; });
@@ -110,8 +109,7 @@ void note_gravity(Campaign& campaign) {
   if (g < 9.7 || g > 9.9)
     campaign.warnings.push_back(
         fmt::format("gravity_m_s2 = {} is not the earth's, 9.78 to 9.83: mu1 and mu2 come out too large by "
-                    "as much as it is "
-                    "too small",
+                    "as much as it is too small",
                     g));
 }
 
@@ -186,9 +184,8 @@ void check_parts(const Campaign& campaign) {
     if (!run.video || !placed || is_given(run.target))
       throw InvalidInput(
           "{}: run \"{}\": does not say where each part lies; give parts = {{ {} = [X, Y, R] }} ([X, Y, "
-          "WIDTH, "
-          "HEIGHT] for a part of any shape), or part = \"{}\" where it shows one; `tribotrack probe VIDEO "
-          "--picture FIRST.png` shows what lies where",
+          "WIDTH, HEIGHT] for a part of any shape), or part = \"{}\" where it shows one; `tribotrack probe "
+          "VIDEO --picture FIRST.png` shows what lies where",
           run.place, run.name, fmt::join(names_of(campaign.parts), " = [X, Y, R], "),
           campaign.parts.front().name);
   }
@@ -225,8 +222,8 @@ Campaign campaign_in(StrictTable top, const fs::path& file, const Input& input, 
   note_gravity(campaign);
   if (campaign.runs.empty() && runs == Runs::required)
     throw InvalidInput(
-        "{}: has no [[run]]; add one for each recording, or have them written by `tribotrack "
-        "init DIR --from RECORDINGS`, or name a table of alpha and v, [data] table = \"alpha_v.csv\"",
+        "{}: has no [[run]]; add one for each recording, or have them written by `tribotrack init DIR --from "
+        "RECORDINGS`, or name a table of alpha and v, [data] table = \"alpha_v.csv\"",
         file.string());
   require_all_parameters(campaign, top);
   name_runs(campaign.runs);
@@ -272,8 +269,8 @@ std::vector<fs::path> Campaign::input_files(const std::vector<CampaignRun>& of) 
 fs::path campaign_file(const fs::path& given) {
   if (given == "-" || given == "/dev/stdin" || given == "/dev/fd/0" || given == "/proc/self/fd/0")
     throw InvalidInput(
-        "{}: a campaign is not read from standard input: what it names lies relative to its file; give "
-        "a file",
+        "{}: a campaign is not read from standard input: what it names lies relative to its file; give a "
+        "file",
         given.string());
   if (given.extension() == ".csv" && fs::is_regular_file(given))
     throw InvalidInput(
@@ -317,12 +314,11 @@ Campaign campaign_of_part(const Campaign& campaign, const std::string& part) {
   if (part.empty() && names.empty()) return campaign;
   const auto found = std::ranges::find(names, part);
   if (found == names.end())
-    throw InvalidInput(
-        names.empty()
-            ? fmt::format("{}: has no [[part]] named \"{}\"", campaign.file.string(), part)
-            : fmt::format("{}: has several parts, each with a fit of its own: {}; say which one is meant "
-                          "(`run` and `fit` take --part NAME)",
-                          campaign.file.string(), fmt::join(names, ", ")));
+    throw InvalidInput(names.empty()
+                           ? fmt::format("{}: has no [[part]] named \"{}\"", campaign.file.string(), part)
+                           : fmt::format("{}: has several parts, each with a fit of its own: {}; say which "
+                                         "one is meant (`run` and `fit` take --part NAME)",
+                                         campaign.file.string(), fmt::join(names, ", ")));
   return campaigns_by_part(campaign)[static_cast<std::size_t>(found - names.begin())];
 }
 

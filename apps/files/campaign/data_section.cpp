@@ -121,16 +121,15 @@ void note(Campaign& campaign, std::size_t lines, std::size_t points, const fit::
   if (!sds.empty()) {
     const std::size_t dof = std::max(pooled.along.dof, pooled.across.dof);
     campaign.notes.push_back(
-        fmt::format("lines without an sd have that of the scatter between repeats: of one measurement {} "
-                    "({} degree{} of "
-                    "freedom), widened {:.2f} times, so that 95 % intervals are Student's",
+        fmt::format("lines without an sd have that of the scatter between repeats: of one measurement {} ({} "
+                    "degree{} of freedom), widened {:.2f} times, so that 95 % intervals are Student's",
                     fmt::join(sds, ", "), dof, dof == 1 ? "" : "s", pooled.widened));
   }
   if (pooled.scattered > 1)
-    campaign.warnings.push_back(fmt::format(
-        "repeats in the tables scatter {:.2g} times as much as their sds say (chi2 {:.3g} at {} degrees of "
-        "freedom): the sds of all their lines are widened by that",
-        pooled.scattered, pooled.chi2, pooled.chi2_dof));
+    campaign.warnings.push_back(
+        fmt::format("repeats in the tables scatter {:.2g} times as much as their sds say (chi2 {:.3g} at {} "
+                    "degrees of freedom): the sds of all their lines are widened by that",
+                    pooled.scattered, pooled.chi2, pooled.chi2_dof));
 }
 
 /// A column of a table of runs: the key that it gives, and the factors from its unit to the key's.
@@ -250,11 +249,10 @@ void require_alpha_and_v(const CsvTable& table, const std::vector<RunColumn>& co
   for (const char* needed : {"phi_rad", "dtau_rad", "alpha_rad", "v_mm_s"}) {
     if (std::ranges::count(columns, needed, &RunColumn::name) > 0) continue;
     const std::string near = nearest_word(needed, unused);
-    table.fail(
-        fmt::format("has no column {}{}: {}; a table of alpha and v has the columns phi_deg, dtau_deg, "
-                    "alpha_deg and v_mm_s (angles also as _rad), with alpha_sd_deg and v_sd_mm_s where "
-                    "they are known",
-                    needed, near.empty() ? "" : fmt::format(" (is it `{}`?)", near), table.holds()));
+    table.fail(fmt::format(
+        "has no column {}{}: {}; a table of alpha and v has the columns phi_deg, dtau_deg, alpha_deg and "
+        "v_mm_s (angles also as _rad), with alpha_sd_deg and v_sd_mm_s where they are known",
+        needed, near.empty() ? "" : fmt::format(" (is it `{}`?)", near), table.holds()));
   }
 }
 
@@ -330,8 +328,8 @@ RunList read_run_list(const fs::path& path, std::string text, const std::vector<
   });
   if (table.header().empty())
     throw InvalidInput(
-        "{}: no line names its columns: {}; a table of runs has the columns video (or track), "
-        "phi_deg and dtau_deg, one of alpha and v phi_deg, dtau_deg, alpha_deg and v_mm_s",
+        "{}: no line names its columns: {}; a table of runs has the columns video (or track), phi_deg and "
+        "dtau_deg, one of alpha and v phi_deg, dtau_deg, alpha_deg and v_mm_s",
         path.string(), table.holds());
   RunList list;
   const std::vector<RunColumn> columns = columns_of(table, only);

@@ -75,8 +75,8 @@ void read_priors(StrictTable prior, FitSection& fit) {
     const FitParameter parameter = require_fit_parameter(prior, name, name);
     if (std::ranges::count(fit.parameters, parameter) == 0)
       prior.fail(name,
-                 "is not among `parameters`, and a prior of what is not fitted has no effect: add it "
-                 "there, or give the value with its sd where it belongs");
+                 "is not among `parameters`, and a prior of what is not fitted has no effect: add it there, "
+                 "or give the value with its sd where it belongs");
     auto entry = prior.table(name);
     const auto mean = read_number(*entry, kind_of(parameter), "mean");
     const auto sd = entry->positive("sd");
@@ -152,8 +152,7 @@ const Keys<FitSection>& fit_keys() {
        "each run's displacement (alpha, v); \"trajectory\": every tracked point"},
       {"exact", Kind::true_or_texts, Own<F>{read_exact, written_exact}, "[\"amplitude_mm\"]",
        "what is known without an error although it has no sd (frequency_hz, tilt_x_rad, start_phase_rad, "
-       "friction_law, ...); "
-       "true: everything, also what is not given"},
+       "friction_law, ...); true: everything, also what is not given"},
       {"hold_out", Kind::texts, at<&F::hold_out>, "[\"run name\"]",
        "driven runs that are not fitted, but predicted by the fit"},
       {"start", Kind::one_of(kStarts), at<&F::start>, "\"rest\"",
@@ -242,10 +241,11 @@ ScopeSection read_scope(StrictTable& table) {
   read_keys(table, scope_keys(), scope);
   if (scope.sensor_channel != 0 && scope.sensor_channel == scope.actuator_channel) {
     const bool of_sensor = table.has("sensor_channel");
-    table.fail(of_sensor ? "sensor_channel" : "actuator_channel",
-               fmt::format("is {}, and so is `{}`: one channel holds either the sensor's pulses or the "
-                           "actuator's bursts",
-                           scope.sensor_channel, of_sensor ? "actuator_channel" : "sensor_channel"));
+    table.fail(
+        of_sensor ? "sensor_channel" : "actuator_channel",
+        fmt::format(
+            "is {}, and so is `{}`: one channel holds either the sensor's pulses or the actuator's bursts",
+            scope.sensor_channel, of_sensor ? "actuator_channel" : "sensor_channel"));
   }
   table.finish();
   return scope;

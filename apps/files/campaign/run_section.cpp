@@ -231,8 +231,8 @@ void require_scale(const Campaign& campaign, const CampaignRun& run) {
         run.place);
   if (run.video && !scale_given && !campaign.part.diameter_mm)
     throw InvalidInput(
-        "{}: the size of a pixel is not known; give `diameter_mm` in [part], or `mm_per_px` or "
-        "`calibration` in [camera]",
+        "{}: the size of a pixel is not known; give `diameter_mm` in [part], or `mm_per_px` or `calibration` "
+        "in [camera]",
         run.place);
 }
 

@@ -17,8 +17,7 @@ namespace tribotrack::apps {
 
 const char* const kScopeLayouts =
     "the layouts of Rigol, Tektronix, Keysight, Siglent, PicoScope and Digilent are read, and of any other "
-    "oscilloscope a "
-    "plain table in seconds and volts under the line Time(s),CH1(V),CH2(V)";
+    "oscilloscope a plain table in seconds and volts under the line Time(s),CH1(V),CH2(V)";
 
 namespace {
 
@@ -304,9 +303,8 @@ void add_channels(const ScopeFile& second, ScopeFile& first) {
   if (samples(second) != samples(first) || apart > 0.5 * first.increment_s ||
       std::abs(second.increment_s / first.increment_s - 1) * static_cast<double>(samples(first)) > 0.5)
     throw InvalidInput(
-        "{}: is not of the same trace as {}: {} samples from {:.6g} s every {:.6g} s, and {} "
-        "from {:.6g} s every "
-        "{:.6g} s; name the files of one acquisition",
+        "{}: is not of the same trace as {}: {} samples from {:.6g} s every {:.6g} s, and {} from {:.6g} s "
+        "every {:.6g} s; name the files of one acquisition",
         second.input.path.string(), first.input.path.string(), samples(second), second.start_s,
         second.increment_s, samples(first), first.start_s, first.increment_s);
   first.names.insert(first.names.end(), second.names.begin(), second.names.end());

@@ -64,8 +64,7 @@ Track import_track(const fs::path& path, const TrackReading& reading, const fs::
 const char* const kTrackLayouts =
     "tracks of Tracker (t, x, y), Kinovea (Time (ms), ... X, ... Y), DLTdv (pt1_cam1_X), trackpy (frame, x, "
     "y, particle), TrackMate, ImageJ, DICe and tribotrack are read, and of any other program a table with "
-    "the "
-    "columns t_s, x_mm, y_mm";
+    "the columns t_s, x_mm, y_mm";
 
 namespace {
 

@@ -77,8 +77,7 @@ std::string playback_warning(double rate) {
     if (std::abs(rate / played - 1) < 1e-4)
       return fmt::format(
           "its times follow each other at {:.4g} frames/s, at which films are played: if the camera was "
-          "faster, "
-          "give frame_rate_hz in [camera] (--fps)",
+          "faster, give frame_rate_hz in [camera] (--fps)",
           rate);
   return "";
 }
@@ -152,8 +151,7 @@ bool y_points_up(const CsvTable& table, const TrackColumns& columns, const Scale
   if (columns.layout == "DLTdv")
     table.fail(
         "is a table of DLTdv, whose y points up until version 5 and in Argus, down from version 8 on: say "
-        "which, "
-        "track_y = \"up\" or \"down\" in the run or in [data] (--track-y)");
+        "which, track_y = \"up\" or \"down\" in the run or in [data] (--track-y)");
   return columns.y.empty() ? !scale.pixels : columns.y == "up";
 }
 
@@ -181,9 +179,8 @@ Noise noise_of(const CsvTable& table, const PointSamples& samples, const std::ve
   const auto estimate = fit::point_noise(seen, positions);
   if (!estimate)
     throw InvalidInput(
-        "{}: has no standard deviations, and with {} points that follow each other too few to "
-        "estimate them; add "
-        "the columns x_sd_mm and y_sd_mm",
+        "{}: has no standard deviations, and with {} points that follow each other too few to estimate them; "
+        "add the columns x_sd_mm and y_sd_mm",
         table.path().string(), positions.size());
   noise.estimated = true;
   // Rounding is the least error there is.
@@ -225,8 +222,8 @@ vision::Track followed(const PartAndMark& points, bool up, const Clock& clock, c
 std::string sd_text(const Noise& noise, const std::string& unit) {
   if (!noise.estimated) return "sds as the file has them";
   return fmt::format(
-      "sds of {:.2g} {} in x and {:.2g} {} in y from the scatter from point to point, which does not "
-      "show errors slower than the frames",
+      "sds of {:.2g} {} in x and {:.2g} {} in y from the scatter from point to point, which does not show "
+      "errors slower than the frames",
       noise.estimate.x(), unit, noise.estimate.y(), unit);
 }
 
@@ -244,9 +241,8 @@ ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string t
   PartAndMark points = read_points(table, columns, reading);
   if (!reading.frame.empty() && !reading.mark.empty())
     throw InvalidInput(
-        "{}: track_mark takes the platform's motion out of the positions, and track_frame = "
-        "\"{}\" says that they "
-        "stay as they are; give one of them",
+        "{}: track_mark takes the platform's motion out of the positions, and track_frame = \"{}\" says that "
+        "they stay as they are; give one of them",
         path.string(), reading.frame);
   if (!reading.frame.empty()) points.mark.reset();
   if (points.mark && points.mark->unit != points.part.unit)

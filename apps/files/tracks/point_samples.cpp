@@ -166,9 +166,8 @@ void require_order(const CsvTable& table, const PointSamples& samples) {
 
 [[noreturn]] void ask_which(const CsvTable& table, const std::vector<std::string>& names) {
   throw InvalidInput(
-      "{}: holds {} points: {}; say which is the part, track_point = \"{}\" in the run "
-      "(--track-point), and, where "
-      "one is fixed to the platform, track_mark = \"NAME\"",
+      "{}: holds {} points: {}; say which is the part, track_point = \"{}\" in the run (--track-point), and, "
+      "where one is fixed to the platform, track_mark = \"NAME\"",
       table.path().string(), names.size(), fmt::join(names, ", "), names.front());
 }
 
@@ -196,8 +195,7 @@ std::pair<std::size_t, std::optional<std::size_t>> choose(const CsvTable& table,
     const std::size_t part = named("track_point", reading.point);
     if (mark && *mark == part)
       throw InvalidInput(
-          "{}: \"{}\" is named as part and as mark; the part moves on the platform, the "
-          "mark with it",
+          "{}: \"{}\" is named as part and as mark; the part moves on the platform, the mark with it",
           table.path().string(), names[part]);
     return {part, mark};
   }

@@ -123,11 +123,9 @@ std::vector<Figure> corner(const ReportData& data) {
     }
   figure.caption =
       "On the diagonal: by how much χ² rises when a parameter is held at a value and all others are fitted "
-      "again, beside "
-      "the parabola that the covariance assumes; dots are the values tried. Where the curve crosses the "
-      "level the 95 % "
-      "interval ends. Below: regions "
-      "that hold each pair with 68 and 95 %, by the covariance.";
+      "again, beside the parabola that the covariance assumes; dots are the values tried. Where the curve "
+      "crosses the level the 95 % interval ends. Below: regions that hold each pair with 68 and 95 %, by the "
+      "covariance.";
   figure.alternative = "Profile likelihood of each parameter, and the 68 and 95 % regions of each pair.";
   return {figure};
 }
@@ -166,8 +164,7 @@ std::vector<Figure> influence(const ReportData& data) {
   Figure figure{.id = "influence", .title = "Influence of each run", .panels = {panel}, .height = 0.34};
   figure.caption =
       "By how many of its standard deviations each parameter would change if the run were left out (to first "
-      "order). A run "
-      "far outside the stripe carries the result alone: repeat it.";
+      "order). A run far outside the stripe carries the result alone: repeat it.";
   figure.alternative = "Change of each parameter when one run is left out, in standard deviations.";
   return {figure};
 }
@@ -230,10 +227,9 @@ std::vector<Figure> residual_figures(const ReportData& data) {
   Figure figure{.id = "residuals", .title = "Residuals, run by run", .panels = {panel}, .height = 0.36};
   figure.caption =
       "Measured minus modelled, in standard deviations; the numbers are those of the table of runs. Each run "
-      "has as many "
-      "marks as degrees of freedom: dx and dy of its displacement are made independent of each other first. "
-      "If the model "
-      "and the errors are right, 19 of 20 lie in the grey stripe (±2 σ) and show no trend.";
+      "has as many marks as degrees of freedom: dx and dy of its displacement are made independent of each "
+      "other first. If the model and the errors are right, 19 of 20 lie in the grey stripe (±2 σ) and show "
+      "no trend.";
   figure.alternative = fmt::format("Residuals of {} runs in standard deviations; the largest is {}.",
                                    data.runs.size(), number(largest / 1.1, 2));
   return {figure};

@@ -42,12 +42,12 @@ std::string slide_table(const fit::FitResult& fit) {
                            rows);
   html +=
       "<p class=\"note\">A spinning disc decelerates more slowly; the fit accounts for it if the rotation is "
-      "measured. If not, “half” says how much larger μ₁ would be with an edge speed of half the "
-      "sliding speed.";
+      "measured. If not, “half” says how much larger μ₁ would be with an edge speed of half the sliding "
+      "speed.";
   if (fit.slides.size() > 1)
     html += fmt::format(
-        " Between slides μ₁ scatters with a standard deviation of {} ({}); the interval of "
-        "the mean includes it, by Student’s t with {} degrees of freedom.",
+        " Between slides μ₁ scatters with a standard deviation of {} ({}); the interval of the mean includes "
+        "it, by Student’s t with {} degrees of freedom.",
         number(fit.between_slides.sd, 2),
         fit.between_slides.p_value < 0.05
             ? "more than chance explains, p = " + number(fit.between_slides.p_value, 2)
@@ -67,14 +67,12 @@ PageSection dependence_section(const ReportData& data, const std::vector<Figure>
   if (!data.over_phi.empty() || !data.over_dtau.empty())
     section.html =
         "<p class=\"caption\">Points: measured, with one standard uncertainty. Lines: the model at the "
-        "fitted "
-        "parameters, with its 95 % band. Below: measured minus modelled, divided by the standard deviation "
-        "that χ² uses; 19 of 20 are expected in the grey stripe.</p>\n";
+        "fitted parameters, with its 95 % band. Below: measured minus modelled, divided by the standard "
+        "deviation that χ² uses; 19 of 20 are expected in the grey stripe.</p>\n";
   if (!boxes.empty()) section.html += "<div class=\"pair\">\n" + boxes + "</div>\n";
   if (shown.starts_with("alpha-"))
     section.html += fmt::format(
-        "<p class=\"note\">The <a href=\"#figure-{}\">first figure of this page</a> belongs here, "
-        "too.</p>\n",
+        "<p class=\"note\">The <a href=\"#figure-{}\">first figure of this page</a> belongs here, too.</p>\n",
         shown);
   if (data.over_phi.empty())
     section.html +=
@@ -87,8 +85,7 @@ PageSection dependence_section(const ReportData& data, const std::vector<Figure>
   if (std::ranges::find(figures, std::string("trajectories"), &Figure::id) == figures.end())
     section.html +=
         "<p class=\"left-out\">No run with friction pulses has a tracked path: the trajectories (paper, "
-        "figure 11) are "
-        "left out.</p>\n";
+        "figure 11) are left out.</p>\n";
   return section;
 }
 
@@ -132,14 +129,12 @@ bool has_column(const std::vector<IntervalColumn>& columns, fit::Interval fit::P
 std::string interval_note(const ReportData& data, const std::vector<IntervalColumn>& columns) {
   const bool profile = has_column(columns, &fit::ParameterEstimate::profile_ci95);
   std::string html =
-      profile
-          ? "<p class=\"note\">The 95 % interval is the one to quote: the profile’s where it differs from "
-            "the "
-            "covariance’s by more than a tenth, over all minima that the data allow. The covariance interval "
-            "assumes that χ² is a parabola about its minimum; the profile follows χ² itself, with all other "
-            "parameters fitted again at every step"
-          : "<p class=\"note\">The 95 % interval comes from the fit’s covariance, assuming that χ² is a "
-            "parabola about its minimum";
+      profile ? "<p class=\"note\">The 95 % interval is the one to quote: the profile’s where it differs "
+                "from the covariance’s by more than a tenth, over all minima that the data allow. The "
+                "covariance interval assumes that χ² is a parabola about its minimum; the profile follows χ² "
+                "itself, with all other parameters fitted again at every step"
+              : "<p class=\"note\">The 95 % interval comes from the fit’s covariance, assuming that χ² is a "
+                "parabola about its minimum";
   if (has_column(columns, &fit::ParameterEstimate::bootstrap_ci95))
     html += fmt::format("; the bootstrap interval holds 95 % of {} refits to simulated data (seed {})",
                         data.fit.bootstrap.refits, data.fit.bootstrap.seed);
@@ -227,8 +222,7 @@ std::string next_table(const ReportData& data) {
   }
   html = table("next-runs", "next", headings, html) +
          "<p class=\"note\">95 % intervals now, and as predicted with one more run, measured as well as "
-         "those so far. "
-         "A run at another A or ω helps only if the platform can be driven so.";
+         "those so far. A run at another A or ω helps only if the platform can be driven so.";
   if (data.fit.identifiability.verdict == fit::Verdict::not_identifiable)
     html +=
         " The prediction assumes the values above, which these runs do not determine: the widths of the "

@@ -169,8 +169,7 @@ std::vector<Figure> slide_figures(const ReportData& data) {
                       .traces = {plot::points("", time, picked(left_um, places), {.small = true})}};
     Figure figure{.id = fmt::format("slide-{}", figures.size() + 1), .title = "Free slide " + run.name};
     figure.caption =
-        "Distance along the slide against time, with the law of friction at its own μ₁ (without "
-        "spin a "
+        "Distance along the slide against time, with the law of friction at its own μ₁ (without spin a "
         "parabola, deceleration μ₁ g); below, measured minus fitted. " +
         sentence_html(run.fitted.slide.sentence + own_sentence(data, run.name));
     figure.alternative =
@@ -237,8 +236,7 @@ std::vector<Figure> trajectory_figures(const ReportData& data) {
   Figure figure{.id = "trajectories", .title = "Trajectories of the part (paper, figure 11)"};
   figure.caption =
       "In millimetres from where each began, y up, both axes to the same scale. The numbers are those of the "
-      "table of "
-      "runs.";
+      "table of runs.";
   if (marked) figure.caption += " Dots: the end of each whole cycle of the platform.";
   if (modelled)
     figure.caption +=

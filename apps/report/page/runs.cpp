@@ -59,8 +59,7 @@ std::string error_bound(const vision::PlanStage& stage) {
 std::string stage_table(const std::vector<vision::PlanStage>& stages) {
   std::string html =
       "<table class=\"compact plan\"><thead><tr><th>Stage</th><th>State</th><th>Reason</th><th>Error this "
-      "can "
-      "add</th></tr></thead><tbody>";
+      "can add</th></tr></thead><tbody>";
   for (const vision::PlanStage& stage : stages)
     html += "<tr>" + cell(escape_html(stage.name)) + cell(stage.on ? "done" : "<b>left out</b>") +
             cell(sentence_html(stage.reason)) + cell(error_bound(stage)) + "</tr>";
@@ -109,15 +108,11 @@ PageSection run_section(const ReportData& data) {
                 ">frames found / lost / edge / repeated", ">σ, px", "Frame rate from"},
                rows);
   html +=
-      "<p class=\"note\">In parentheses one standard uncertainty, in the last "
-      "digits. "
-      "α: direction "
-      "of the displacement, counter-clockwise from the platform’s x axis; v: mean velocity over the whole "
-      "cycles. Frames: part found, lost, at the edge of the picture, or stored twice. σ: median standard "
-      "deviation of a "
-      "tracked position, per axis. The table is sorted by a click on a heading; <code>runs.csv</code> holds "
-      "it with all "
-      "digits.</p>\n";
+      "<p class=\"note\">In parentheses one standard uncertainty, in the last digits. α: direction of the "
+      "displacement, counter-clockwise from the platform’s x axis; v: mean velocity over the whole cycles. "
+      "Frames: part found, lost, at the edge of the picture, or stored twice. σ: median standard deviation "
+      "of a tracked position, per axis. The table is sorted by a click on a heading; <code>runs.csv</code> "
+      "holds it with all digits.</p>\n";
   std::vector<std::string> notes;
   for (const ReportRun& run : data.runs)
     for (const std::string& note : run.notes) notes.push_back(run.name + ": " + note);
@@ -166,16 +161,14 @@ PageSection audit_section(const ReportData& data) {
             number_cell(fmt::format("{:.4f}", audit.slow_sd)) + "</tr>\n";
   }
   if (rows.empty()) return section;
-  section.html =
-      table("audit-table", "compact",
-            {">#", "Run", ">left / right", ">top / bottom", ">frame to frame", ">σ widened by",
-             ">correlated error added, px"},
-            rows) +
-      "<p class=\"note\">Ratios of the observed scatter to what the tracking’s own "
-      "standard deviations predict; 1: as predicted. The first two are split-half tests: positions from "
-      "complementary halves of the part’s pixels. Frame to frame: scatter of consecutive positions where the "
-      "motion is slow. The σ of all tables are "
-      "the widened ones.</p>\n";
+  section.html = table("audit-table", "compact",
+                       {">#", "Run", ">left / right", ">top / bottom", ">frame to frame", ">σ widened by",
+                        ">correlated error added, px"},
+                       rows) +
+                 "<p class=\"note\">Ratios of the observed scatter to what the tracking’s own standard "
+                 "deviations predict; 1: as predicted. The first two are split-half tests: positions from "
+                 "complementary halves of the part’s pixels. Frame to frame: scatter of consecutive "
+                 "positions where the motion is slow. The σ of all tables are the widened ones.</p>\n";
   return section;
 }
 
@@ -273,8 +266,8 @@ std::string picture(const ReportRun& run, std::size_t index, const std::string& 
   const double radius = 0.012 * std::max(track.width_px, track.height_px);
   std::string html = fmt::format(
       "<figure class=\"frame\" id=\"{5}\"><svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"path of the "
-      "part in run {2}\"><image "
-      "href=\"data:{3};base64,{4}\" width=\"{0}\" height=\"{1}\" preserveAspectRatio=\"none\"/>",
+      "part in run {2}\"><image href=\"data:{3};base64,{4}\" width=\"{0}\" height=\"{1}\" "
+      "preserveAspectRatio=\"none\"/>",
       track.width_px, track.height_px, escape_html(run.name), mime_type(run.first_frame),
       base64(run.first_frame), place);
   if (ends.any) {
@@ -307,10 +300,9 @@ PageSection picture_section(const ReportData& data) {
           ? "<p class=\"left-out\">No run has a recording at hand: pictures of the paths left out.</p>\n"
           : "<div class=\"frames\">\n" + pictures +
                 "</div>\n<p class=\"caption\">As in the paper’s figure 11, as the camera sees it (the "
-                "platform’s "
-                "own motion included): the path of the part’s centre, from the circle to the square. Gaps "
-                "are "
-                "frames in which the part was not found. Frames are stored no larger than 480 pixels.</p>\n";
+                "platform’s own motion included): the path of the part’s centre, from the circle to the "
+                "square. Gaps are frames in which the part was not found. Frames are stored no larger than "
+                "480 pixels.</p>\n";
   return section;
 }
 

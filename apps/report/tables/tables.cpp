@@ -221,8 +221,7 @@ std::string outlier_table(const ReportData& data) {
     html += "</tr>";
   }
   return "<h3>Runs that contradict the others</h3>\n<p>Each is compared with the fit to all other runs; "
-         "check its φ, "
-         "Δτ and label, or leave it out.</p>\n" +
+         "check its φ, Δτ and label, or leave it out.</p>\n" +
          table("outliers", "compact outliers", headings, html);
 }
 
@@ -241,8 +240,7 @@ std::string prediction_table(const ReportData& data) {
   }
   if (rows.empty()) return "";
   return "<h3>Runs kept out of the fit</h3>\n<p>What the fit to the others predicts, against what was "
-         "measured; in "
-         "parentheses the standard uncertainty of both together.</p>\n" +
+         "measured; in parentheses the standard uncertainty of both together.</p>\n" +
          table("predictions", "compact",
                {"Run", ">α, rad", ">predicted", ">v, mm/s", ">predicted", ">probability"}, rows);
 }
@@ -282,10 +280,9 @@ std::string explanation_table(const fit::FitResult& fit) {
             "</tr>\n";
   }
   return "<h3>What would explain the residuals</h3>\n<p>Each row sets free what the fit takes as exact, or "
-         "knows to an "
-         "uncertainty only: by how much χ² falls, the probability that is left, how large it would have to "
-         "be, and "
-         "the parameters under it. Rows that were not refitted are to first order.</p>\n" +
+         "knows to an uncertainty only: by how much χ² falls, the probability that is left, how large it "
+         "would have to be, and the parameters under it. Rows that were not refitted are to first "
+         "order.</p>\n" +
          table("explanations", "compact models", headings, html);
 }
 
@@ -352,9 +349,8 @@ std::string budget_table(const fit::FitResult& fit) {
     exact = true;
   }
   html += table("budget-table", "budget", headings, rows) +
-          "<p class=\"note\">Contribution of each source to the combined standard "
-          "uncertainty "
-          "of each parameter (JCGM 100): the squares add up. The length of a bar is its share.";
+          "<p class=\"note\">Contribution of each source to the combined standard uncertainty of each "
+          "parameter (JCGM 100): the squares add up. The length of a bar is its share.";
   if (exact)
     html +=
         " What was taken as exact is not included: the rows in grey say what an error as large as stated "

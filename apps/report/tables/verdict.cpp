@@ -162,8 +162,7 @@ std::string methods_text(const ReportData& data) {
   if (const std::size_t tracked = tracked_runs(data); tracked > 0)
     text += fmt::format(
         "The part's position in {} recording{} was found in every frame by matching of a template "
-        "(normalised "
-        "cross-correlation) with a standard deviation per point{}. ",
+        "(normalised cross-correlation) with a standard deviation per point{}. ",
         tracked, tracked == 1 ? "" : "s",
         marker_used(data) ? ", relative to the platform, whose motion was measured in the same frames" : "");
   if (!data.fitted()) return text + fmt::format("Computed with {}.", version(data));
@@ -172,10 +171,8 @@ std::string methods_text(const ReportData& data) {
     names.push_back(parameter_text(p.parameter).symbol);
   text += fmt::format(
       "{} {} estimated by weighted least squares from {} run{}, with the equation of motion of the part "
-      "under pulsed dry "
-      "friction solved for each run (Kilikevičius et al. 2021, eq. 5) and its exact derivatives; intervals "
-      "are 95 %, by {}, "
-      "and count {}. Computed with {}.",
+      "under pulsed dry friction solved for each run (Kilikevičius et al. 2021, eq. 5) and its exact "
+      "derivatives; intervals are 95 %, by {}, and count {}. Computed with {}.",
       list_of(names), names.size() == 1 ? "was" : "were",
       std::ranges::count_if(data.runs, [](const ReportRun& run) { return run.failure.empty(); }),
       data.runs.size() == 1 ? "" : "s",
@@ -190,8 +187,7 @@ std::string methods_text(const ReportData& data) {
 std::vector<std::string> sources_to_cite(const ReportData& data) {
   return {
       "S. Kilikevičius, K. Liutkauskienė, A. Fedaravičius: Nonprehensile Manipulation of Parts on a "
-      "Horizontal "
-      "Circularly Oscillating Platform with Dynamic Dry Friction Control. 2021.",
+      "Horizontal Circularly Oscillating Platform with Dynamic Dry Friction Control. 2021.",
       version(data) + ": friction parameters from high-speed video (see CITATION.cff in its sources)."};
 }
 
