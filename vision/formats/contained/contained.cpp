@@ -94,7 +94,7 @@ void answer_with(int socket, std::int64_t series, const Work& work) {
   Order order;
   for (std::int64_t place = 0;;) {
     const std::int64_t index = order.from + place * order.step;
-    if (place >= order.end || index >= source->info().frame_count || wait_for_word(socket, 0)) {
+    if (place >= order.end || index >= source->info().frame_count || has_word(socket)) {
       const std::int64_t series = order.series;
       if (!receive_bytes(socket, &order, sizeof order)) ::_exit(0);
       if (order.series != series) place = 0;
@@ -178,11 +178,17 @@ class ContainedSource : public FrameSource {
       : memory_(::memfd_create("tribotrack", MFD_CLOEXEC | MFD_ALLOW_SEALING)),
         decoder_(memory_.number(), path, open) {
     info_.path = path;
-    Archive archive(receive(0, seconds_to_open(path)).second);
+    set_patience(decoder_.socket(), seconds_to_open(path));
+    Archive archive(receive(0).second);
     archive(info_);
+    const auto of_frames = [&](const auto& values) {
+      return values.empty() || std::ssize(values) == info_.frame_count;
+    };
     if (info_.width < 1 || info_.height < 1 || info_.frame_count < 1 ||
-        std::int64_t{info_.width} * info_.height > kMostPixels)
+        std::int64_t{info_.width} * info_.height > kMostPixels || !of_frames(info_.numbers) ||
+        !of_frames(info_.exposures_s) || !of_frames(info_.time_base.stamps_s))
       refuse(path, "misleads its decoder; export the recording again");
+    set_patience(decoder_.socket(), kSecondsPerFrame);
   }
 
   using FrameSource::read;
@@ -211,13 +217,12 @@ class ContainedSource : public FrameSource {
   };
 
   /// The next answer of a series, with its bytes.
-  std::pair<Answer, std::string> receive(std::int64_t series, std::uint64_t seconds) {
+  std::pair<Answer, std::string> receive(std::int64_t series) {
     constexpr std::uint64_t kMost = std::uint64_t{1} << 31;  // bytes: of stamps of 2^24 frames, a tenth
     for (;;) {
       Answer answer;
       std::string text;
-      bool whole = wait_for_word(decoder_.socket(), seconds) &&
-                   receive_bytes(decoder_.socket(), &answer, sizeof answer) && answer.length < kMost;
+      bool whole = receive_bytes(decoder_.socket(), &answer, sizeof answer) && answer.length < kMost;
       if (whole) {
         text.resize(answer.length);
         whole = receive_bytes(decoder_.socket(), text.data(), text.size());
@@ -262,7 +267,7 @@ class ContainedSource : public FrameSource {
     last_step_ = step;
     held_ = -1;
     send_bytes(decoder_.socket(), &order_, sizeof order_);  // a child that is gone is seen at its answer
-    take(receive(order_.series, kSecondsPerFrame).first, index);
+    take(receive(order_.series).first, index);
     held_ = index;
   }
 

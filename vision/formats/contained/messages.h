@@ -5,13 +5,12 @@
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <limits>
 #include <new>
 #include <optional>
 #include <string>
@@ -57,14 +56,16 @@ inline bool send_bytes(int socket, const void* bytes, std::size_t count) {
   return true;
 }
 
-/// Whether the other end says something, or closes, within that time.
-inline bool wait_for_word(int socket, std::uint64_t seconds) {
+/// Whether the other end has said something, or has closed.
+inline bool has_word(int socket) {
   pollfd end{socket, POLLIN, 0};
-  const auto most = std::min<std::uint64_t>(1000 * seconds, std::numeric_limits<int>::max());
-  int ready = 0;
-  while ((ready = ::poll(&end, 1, static_cast<int>(most))) < 0 && errno == EINTR) {
-  }
-  return ready > 0;
+  return ::poll(&end, 1, 0) > 0;
+}
+
+/// How long receive_bytes() waits for some.
+inline void set_patience(int socket, std::uint64_t seconds) {
+  const timeval patience{static_cast<time_t>(seconds), 0};
+  ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
 }
 
 inline bool receive_bytes(int socket, void* bytes, std::size_t count) {

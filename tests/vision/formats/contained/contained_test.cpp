@@ -40,15 +40,15 @@ class KnownSource : public DecodedSource {
     info_.coder = Coder{"x264", "crf=18", 16, true, 12.5, 0.5, true, 3.25};
     info_.frame_count = kFrames;
     info_.first_number = -7;
-    info_.numbers = {5, 6, 8};
+    info_.numbers.assign(kFrames, 8);
     info_.time_base.rate_hz = 250.5;
     info_.time_base.source = "stamps";
-    info_.time_base.stamps_s = {0, 0.25, 0.75};
+    info_.time_base.stamps_s.assign(kFrames, 0.75);
     info_.time_base.candidates = {{"--fps", 30, false, "playback"}, {"header", 250.5, true, ""}};
     info_.time_base.check.stretches = {{0, 3, 250}, {4, 9, 125}};
     info_.time_base.check.missing = {{3, 2}};
     info_.time_base.check.strays = {11};
-    info_.exposures_s = {1e-3, 2e-3};
+    info_.exposures_s.assign(kFrames, 1e-3);
     info_.white_level = 235;
     info_.pixel_aspect = 1.25;
     info_.rotation_deg = -90;
