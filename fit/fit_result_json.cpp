@@ -11,8 +11,7 @@
 namespace tribotrack::fit {
 namespace internal {
 
-template <class Io>
-void estimate(Io& io, const std::string& key, Estimate& estimate, bool there = true) {
+void estimate(auto& io, const std::string& key, Estimate& estimate, bool there = true) {
   io(key.c_str(), estimate.value, there);
   io((key + "_sd").c_str(), estimate.sd, there);
 }
@@ -25,15 +24,13 @@ struct ProfileColumns {
 };
 }  // namespace
 
-template <class Io>
-void fields(Io& io, ProfileColumns& p) {
+void fields(auto& io, ProfileColumns& p) {
   io("value", p.value);
   io("chi2_rise", p.rise);
   io("level", p.level);
 }
 
-template <class Io>
-void fields(Io& io, ParameterEstimate& p) {
+void fields(auto& io, ParameterEstimate& p) {
   io.need("estimate", p.estimate);
   io.sd("sd", p.sd);
   io.need("ci95", p.ci95);
@@ -53,8 +50,7 @@ void fields(Io& io, ParameterEstimate& p) {
   io("bootstrap_ci95", p.bootstrap_ci95, !std::isnan(p.bootstrap_ci95.low));
 }
 
-template <class Io>
-void fields(Io& io, CorrelatedErrors& e) {
+void fields(auto& io, CorrelatedErrors& e) {
   io("time_s", e.time);
   io.scaled("drift_mm", e.drift, 1e3);
   io.scaled("walk_mm", e.walk, 1e3);
@@ -63,22 +59,19 @@ void fields(Io& io, CorrelatedErrors& e) {
   for (const char* common : {"common_circle_mm", "common_overtones_mm"}) io.derived(common, 0.0);
 }
 
-template <class Io>
-void fields(Io& io, OneMinimum& m) {
+void fields(auto& io, OneMinimum& m) {
   io("parameters", m.values);
   io("chi2_above_best", m.chi2_above);
   io("sentence", m.sentence);
 }
 
-template <class Io>
-void fields(Io& io, Identifiability& i) {
+void fields(auto& io, Identifiability& i) {
   io.need("verdict", i.verdict);
   io("weak_directions", i.weak_directions);
   io("singular_values", i.singular_values);
 }
 
-template <class Io>
-void fields(Io& io, Residual& r) {
+void fields(auto& io, Residual& r) {
   io.need("observable", r.observable);
   io.need("measured", r.measured);
   io.need("modelled", r.modelled);
@@ -86,8 +79,7 @@ void fields(Io& io, Residual& r) {
   io.need("standardised", r.standardised);
 }
 
-template <class Io>
-void fields(Io& io, model::Scenario& s) {
+void fields(auto& io, model::Scenario& s) {
   io.scaled("amplitude_mm", s.drive.amplitude, 1e3);
   io.scaled("amplitude_y_mm", s.drive.amplitude_y, 1e3);
   io("omega_rad_s", s.drive.angular_frequency);
@@ -115,8 +107,7 @@ void fields(Io& io, model::Scenario& s) {
 }
 
 /// Refuses what nobody could compute.
-template <class Io>
-void scenario(Io& io, model::Scenario& scenario) {
+void scenario(auto& io, model::Scenario& scenario) {
   io.need("scenario", scenario);
   io.check("scenario", [&](const JsonPlace& place) {
     constexpr double kMostCycles = 1e6;  // as in a campaign
@@ -129,22 +120,19 @@ void scenario(Io& io, model::Scenario& scenario) {
   });
 }
 
-template <class Io>
-void fields(Io& io, RunResult::Slide& slide) {
+void fields(auto& io, RunResult::Slide& slide) {
   io("time_s", slide.time);
   io.scaled("position_mm", slide.measured, 1e3);
   io.scaled("fitted_mm", slide.modelled, 1e3);
   io("sentence", slide.sentence);
 }
 
-template <class Io>
-void fields(Io& io, RunResult::Prediction& prediction) {
+void fields(auto& io, RunResult::Prediction& prediction) {
   io("chi2", prediction.chi2);
   io("p_value", prediction.p_value);
 }
 
-template <class Io>
-void fields(Io& io, RunResult& run) {
+void fields(auto& io, RunResult& run) {
   io.need("name", run.name);
   io.need("observables", run.residuals);
   io("prediction", run.prediction, run.prediction.has_value());
@@ -156,8 +144,7 @@ void fields(Io& io, RunResult& run) {
   io("slide", run.slide, !run.slide.time.empty());
 }
 
-template <class Io>
-void fields(Io& io, Blow& blow) {
+void fields(auto& io, Blow& blow) {
   io("frame", blow.frame);
   io("time_s", blow.time);
   io.scaled("jump_mm_s", blow.jump, 1e3);
@@ -165,8 +152,7 @@ void fields(Io& io, Blow& blow) {
   io.scaled("speed_after_mm_s", blow.speed_after, 1e3);
 }
 
-template <class Io>
-void fields(Io& io, SlideResult& s) {
+void fields(auto& io, SlideResult& s) {
   io("name", s.run);
   estimate(io, "mu1", s.mu1);
   io("ci95", s.ci95);
@@ -194,8 +180,7 @@ void fields(Io& io, SlideResult& s) {
   io("sentence", s.sentence);
 }
 
-template <class Io>
-void fields(Io& io, NextExperiment& next) {
+void fields(auto& io, NextExperiment& next) {
   io("phi_rad", next.phi);
   io("dtau_rad", next.dtau);
   io.scaled("amplitude_mm", next.amplitude, 1e3);
@@ -206,8 +191,7 @@ void fields(Io& io, NextExperiment& next) {
   io("predicted_ci95", next.predicted_ci95, !next.predicted_ci95.empty());
 }
 
-template <class Io>
-void fields(Io& io, Outlier& o) {
+void fields(auto& io, Outlier& o) {
   io("run", o.run);
   io("deviation", o.deviation);
   io("chance", o.chance);
@@ -215,15 +199,13 @@ void fields(Io& io, Outlier& o) {
   io("sentence", o.sentence);
 }
 
-template <class Io>
-void fields(Io& io, EstimateUnder& p) {
+void fields(auto& io, EstimateUnder& p) {
   io.need("estimate", p.estimate);
   io.sd("sd", p.sd);
   io.need("ci95", p.ci95);
 }
 
-template <class Io>
-void fields(Io& io, Explanation& e) {
+void fields(auto& io, Explanation& e) {
   io.need("name", e.name);
   io("run", e.run, !e.run.empty());
   io("chi2_fall", e.chi2_fall);
@@ -237,8 +219,7 @@ void fields(Io& io, Explanation& e) {
   io("parameters", e.parameters);
 }
 
-template <class Io>
-void fields(Io& io, FrictionAtSpeed& at) {
+void fields(auto& io, FrictionAtSpeed& at) {
   io.scaled("speed_mm_s", at.speed, 1e3);
   io("mu", at.mu);
   io("sd", at.sd);
@@ -264,8 +245,7 @@ inline Json models_json(const FitResult& fit) {
   return models;
 }
 
-template <class Io>
-void fields(Io& io, BudgetEntry& entry) {
+void fields(auto& io, BudgetEntry& entry) {
   std::optional<std::string> quantity;
   if (!entry.quantity.empty()) quantity = entry.quantity;
   if (!quantity) entry.sd = kNoNumber;
@@ -279,14 +259,12 @@ void fields(Io& io, BudgetEntry& entry) {
   entry.quantity = quantity.value_or("");
 }
 
-template <class Io>
-void fields(Io& io, FitResult::Refits& b) {
+void fields(auto& io, FitResult::Refits& b) {
   io("refits", b.refits);
   io("seed", b.seed);
 }
 
-template <class Io>
-void fields(Io& io, FitResult::BetweenSlides& between) {
+void fields(auto& io, FitResult::BetweenSlides& between) {
   io("sd", between.sd);
   io("p_value", between.p_value);
 }
@@ -302,8 +280,7 @@ inline Json coding_json(const FitResult& fit) {
   return json;
 }
 
-template <class Io>
-void fields(Io& io, FitResult& fit) {
+void fields(auto& io, FitResult& fit) {
   io.records("parameters", fit.parameters);
   io.by_name("correlation", fit.correlation);
   io.need("chi2", fit.chi2);
@@ -355,8 +332,7 @@ namespace {
 
 using internal::Order;
 
-template <class Struct>
-Json written(Struct value, const Order& order) {
+Json written(auto value, const Order& order) {
   Json json = Json::object();
   internal::Writer io(json, order);
   fields(io, value);

@@ -25,8 +25,7 @@ inline int& threads_allowed() {
 /// body(i) for i in [0, count); after an exception no further i is begun, and the first one is thrown again
 /// when all threads have ended. The threads are started anew: some 20 us, where one evaluation of tracks
 /// takes milliseconds, so that a pool would not pay.
-template <class Body>
-void parallel_for(std::size_t count, int threads, const Body& body) {
+void parallel_for(std::size_t count, int threads, const auto& body) {
   threads = std::min(threads, threads_allowed());
   if (threads <= 1 || count <= 1) {
     for (std::size_t i = 0; i < count; ++i) body(i);

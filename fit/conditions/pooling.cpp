@@ -114,8 +114,7 @@ struct Point {
 using Coordinate = Estimate (Point::*)(const AlphaV&) const;
 
 /// In one coordinate, of the measurements that `counted` takes.
-template <typename Counted>
-std::vector<Estimate> coordinates(const Point& point, Coordinate coordinate, const Counted& counted) {
+std::vector<Estimate> coordinates(const Point& point, Coordinate coordinate, const auto& counted) {
   std::vector<Estimate> those;
   for (const AlphaV& value : point.values)
     if (counted(value)) those.push_back((point.*coordinate)(value));

@@ -9,8 +9,7 @@
 namespace tribotrack::fit::internal {
 
 /// Mean over the runs that are counted; 0 for none.
-template <typename Counted, typename Of>
-double mean_over(std::span<const RunEvidence> runs, const Counted& counted, const Of& of) {
+double mean_over(std::span<const RunEvidence> runs, const auto& counted, const auto& of) {
   double sum = 0;
   int count = 0;
   for (const RunEvidence& run : runs)

@@ -1,6 +1,6 @@
 // The fields of a struct as the keys of a JSON object, named once for both ways: for a struct S stands
 //
-//   template <class Io> void fields(Io& io, S& s) { io.need("run", s.run); io("deviation", s.deviation); }
+//   void fields(auto& io, S& s) { io.need("run", s.run); io("deviation", s.deviation); }
 //
 // by which a Writer makes an object with its keys in that order and a Reader fills S from one. `io(key,
 // value)` is what an older file may lack, `io.need(key, value)` what none does.
@@ -64,14 +64,10 @@ class Writer {
  public:
   Writer(Json& object, const Order& order) : json_(object), order_(order) {}
 
-  template <class T>
-  void operator()(const char* key, T& value, bool there = true) {
+  void operator()(const char* key, auto& value, bool there = true) {
     if (there) json_[key] = written(value);
   }
-  template <class T>
-  void need(const char* key, T& value) {
-    json_[key] = written(value);
-  }
+  void need(const char* key, auto& value) { json_[key] = written(value); }
   void sd(const char* key, double& value) { json_[key] = finite_json(value); }
   /// SI here, by `unit` larger numbers in the file.
   void scaled(const char* key, double& value, double unit, bool there = true) {
@@ -82,8 +78,7 @@ class Writer {
     for (const double value : values) list.push_back(finite_json(value * unit));
   }
   /// One number of each parameter, by their names.
-  template <class Vector>
-  void by_name(const char* key, Vector& values, bool = false) {
+  void by_name(const char* key, auto& values, bool = false) {
     for (std::size_t k = 0; k < static_cast<std::size_t>(values.size()); ++k)
       json_[key][to_string(order_[k])] = finite_json(values[static_cast<Eigen::Index>(k)]);
   }
@@ -105,8 +100,7 @@ class Writer {
   }
   /// Follows from the other fields.
   void derived(const char* key, const Json& value) { json_[key] = value; }
-  template <class Test>
-  void check(const char*, const Test&) {}
+  void check(const char*, const auto&) {}
 
  private:
   const char* name(Eigen::Index k) const { return to_string(order_[static_cast<std::size_t>(k)]); }
@@ -161,10 +155,7 @@ class Reader {
     if constexpr (std::is_floating_point_v<T>) value = kNoNumber;
     if constexpr (std::is_same_v<T, Interval>) value = {kNoNumber, kNoNumber};
   }
-  template <class T>
-  void need(const char* key, T& value) {
-    read(place_.at(key), value);
-  }
+  void need(const char* key, auto& value) { read(place_.at(key), value); }
   void sd(const char* key, double& value) {
     const JsonPlace place = place_.at(key);
     value = place.number_or_null();
@@ -178,8 +169,7 @@ class Reader {
     for (double& value : values) value *= 1 / unit;
   }
   /// Where there is none all are NaN, or, if it `may_lack`, there is none.
-  template <class Vector>
-  void by_name(const char* key, Vector& values, bool may_lack = false) {
+  void by_name(const char* key, auto& values, bool may_lack = false) {
     const auto found = place_.find(key);
     if (!found && may_lack) return;
     values.resize(static_cast<Eigen::Index>(order_.size()));
@@ -213,10 +203,7 @@ class Reader {
       if (run.find(member)) read(run, runs.emplace_back());
   }
   void derived(const char*, const Json&) {}
-  template <class Test>
-  void check(const char* key, const Test& test) {
-    test(place_.at(key));
-  }
+  void check(const char* key, const auto& test) { test(place_.at(key)); }
 
  private:
   const char* name(Eigen::Index k) const { return to_string(order_[static_cast<std::size_t>(k)]); }

@@ -17,8 +17,7 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
 /// Name and place of every Parameter, in the order of the enumeration.
-template <class Scenario_>
-auto parameters_of(Scenario_& s) {
+auto parameters_of(auto& s) {
   using Named = std::pair<const char*, decltype(&s.start_phase)>;
   return std::array{Named{"mu1", &s.friction.nominal},
                     Named{"mu2", &s.friction.reduced},
@@ -40,8 +39,7 @@ auto parameters_of(Scenario_& s) {
                     Named{"viscous_1_s", &s.viscous}};
 }
 
-template <class Scenario_>
-auto named(Scenario_& s, Parameter parameter) {
+auto named(auto& s, Parameter parameter) {
   return parameters_of(s).at(static_cast<std::size_t>(parameter));
 }
 

@@ -91,8 +91,7 @@ cv::Mat drawn(const StagePicture& picture, const Range& range, int enlargement) 
   return image;
 }
 
-template <class Bytes>
-void write_file(const std::filesystem::path& path, const Bytes& bytes) {
+void write_file(const std::filesystem::path& path, const auto& bytes) {
   TemporaryFile file(path);
   file.write(bytes);
   file.commit();

@@ -40,8 +40,7 @@ class TiffFile {
   };
 
   /// Calls `visit(place, entries)` with each page's directory; how many there are.
-  template <class Visit>
-  std::int64_t for_pages(const Visit& visit) const {
+  std::int64_t for_pages(const auto& visit) const {
     std::unordered_set<std::uint64_t> seen;
     std::uint64_t walked = 0;
     const std::uint64_t word = large_ ? 8 : 4, count_bytes = large_ ? 8 : 2;

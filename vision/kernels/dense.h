@@ -27,8 +27,7 @@ class FewFactor {
 FewByFew inverse_of(const FewByFew& matrix);
 
 /// Of n rows, from its upper triangle, row after row.
-template <class Sums>
-FewByFew symmetric(const Sums& upper, int n) {
+FewByFew symmetric(const auto& upper, int n) {
   FewByFew matrix(n, n);
   for (int i = 0, k = 0; i < n; ++i)
     for (int j = i; j < n; ++j, ++k) matrix(i, j) = matrix(j, i) = upper[static_cast<std::size_t>(k)];
@@ -48,14 +47,12 @@ Eigen::Matrix2d inverse_root(const Eigen::Matrix2d& symmetric);
 
 // A point of a track states its errors as two standard deviations and their correlation.
 
-template <class Point>
-Eigen::Matrix2d covariance_of(const Point& p) {
+Eigen::Matrix2d covariance_of(const auto& p) {
   const double off = p.rho_xy * p.sigma_x * p.sigma_y;
   return Eigen::Matrix2d{{p.sigma_x * p.sigma_x, off}, {off, p.sigma_y * p.sigma_y}};
 }
 
-template <class Point>
-void set_covariance(Point& p, const Eigen::Matrix2d& covariance) {
+void set_covariance(auto& p, const Eigen::Matrix2d& covariance) {
   p.sigma_x = std::sqrt(covariance(0, 0));
   p.sigma_y = std::sqrt(covariance(1, 1));
   p.rho_xy = covariance(0, 1) / (p.sigma_x * p.sigma_y);

@@ -11,8 +11,7 @@ inline constexpr double kNormalMad = 1.4826;
 
 /// The middle value, of an even count the upper of the two in the middle, of none 0. Reorders what it is
 /// given.
-template <class Values>
-auto median(Values&& values) {
+auto median(auto&& values) {
   using Number = std::decay_t<decltype(*std::begin(values))>;
   const auto count = std::distance(std::begin(values), std::end(values));
   if (count == 0) return Number{};

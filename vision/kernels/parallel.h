@@ -14,8 +14,7 @@ namespace tribotrack::vision {
 /// body(i, worker) for i in [0, count), worker in [0, threads): what a worker keeps is used by one thread at
 /// a time. Which worker takes an item is left to chance, so a result must not depend on it. The first
 /// exception is thrown again after all threads have ended.
-template <class Body>
-void parallel_for(std::size_t count, int threads, const Body& body) {
+void parallel_for(std::size_t count, int threads, const auto& body) {
   if (threads <= 1 || count <= 1) {
     for (std::size_t i = 0; i < count; ++i) body(i, std::size_t{0});
     return;

@@ -10,8 +10,7 @@
 namespace tribotrack::vision {
 
 /// Between points, or the centres of circles.
-template <class A, class B>
-double distance(const A& a, const B& b) {
+double distance(const auto& a, const auto& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 

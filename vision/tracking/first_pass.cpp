@@ -14,8 +14,7 @@ namespace tribotrack::vision {
 namespace {
 
 /// The call's result, its time counted for a stage.
-template <class Call>
-auto timed(StageClock& clock, const char* stage, const Call& call) {
+auto timed(StageClock& clock, const char* stage, const auto& call) {
   const auto running = clock.enter(stage);
   return call();
 }

@@ -46,8 +46,7 @@ double ratio(double a, double b) {
 }
 
 /// The nearest to a place of the discs that `may` be meant. Null if none is.
-template <class May>
-const DiscFit* nearest(std::span<const DiscFit> found, const Circle& place, const May& may) {
+const DiscFit* nearest(std::span<const DiscFit> found, const Circle& place, const auto& may) {
   const DiscFit* best = nullptr;
   for (const DiscFit& f : found)
     if (may(f) && (!best || distance(f.circle, place) < distance(best->circle, place))) best = &f;

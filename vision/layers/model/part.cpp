@@ -152,8 +152,7 @@ SumPictures sums_over(WindowSpan windows, const PartPictures& before, const Grou
 using Waves = Eigen::Matrix<double, 5, 1>;
 
 /// Calls act(place, ring below, share of the ring above, 1, cos phi, sin phi, cos 2 phi, sin 2 phi).
-template <class Act>
-void for_each_place(int size, const Act& act) {
+void for_each_place(int size, const auto& act) {
   for (int j = 0, at = 0; j < size; ++j)
     for (int i = 0; i < size; ++i, ++at) {
       const double u = i - size / 2, v = j - size / 2, rho = std::hypot(u, v), phi = std::atan2(v, u);
