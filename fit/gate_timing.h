@@ -7,7 +7,6 @@
 //   else std::puts(gate.why_not.c_str());
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>

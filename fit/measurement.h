@@ -10,7 +10,6 @@
 #include <Eigen/Core>
 #include <optional>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "fit/track_table.h"

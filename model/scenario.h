@@ -14,8 +14,6 @@
 
 #include <Eigen/Core>
 #include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "model/drive.h"
 #include "model/friction.h"

@@ -1,7 +1,6 @@
 #include "model/trajectory.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <stdexcept>
 

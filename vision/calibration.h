@@ -18,7 +18,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>

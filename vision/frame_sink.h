@@ -11,7 +11,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <string>
 
 #include "vision/picture.h"
 #include "vision/temporary_file.h"

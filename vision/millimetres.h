@@ -15,7 +15,6 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "vision/calibration.h"

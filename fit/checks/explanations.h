@@ -10,7 +10,6 @@
 // refitted, since a large effect is not linear.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "fit/fit_result.h"

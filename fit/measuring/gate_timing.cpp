@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 #include "fit/tools/angles.h"
 #include "fit/tools/statistics.h"

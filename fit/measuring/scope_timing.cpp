@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "fit/tools/angles.h"
 #include "fit/tools/parameter_text.h"

@@ -1,6 +1,5 @@
 // The minimum of the full model: from those of the search, and elsewhere where the data reject these.
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include "fit/minimum/multi_start.h"

@@ -1,6 +1,5 @@
 #include "fit/residuals/track_whitening.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <iterator>

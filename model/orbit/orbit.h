@@ -5,7 +5,6 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <optional>
-#include <vector>
 
 #include "model/scenario.h"
 

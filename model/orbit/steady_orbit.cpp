@@ -1,6 +1,5 @@
 #include "model/steady_orbit.h"
 
-#include <Eigen/LU>
 #include <cmath>
 #include <string>
 

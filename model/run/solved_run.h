@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/LU>
-#include <memory>
 #include <stdexcept>
 
 #include "model/orbit/orbit.h"

@@ -1,7 +1,6 @@
 // The sliding motion near u = 0, regularised.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 #include "model/series/slip_series.h"

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "vision/discs/rim_steps.h"
 #include "vision/kernels/median.h"

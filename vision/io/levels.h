@@ -1,7 +1,6 @@
 // Windows of frames and their grey levels, as sources fill them and sinks store them.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <optional>

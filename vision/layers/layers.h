@@ -11,7 +11,6 @@
 #include <Eigen/Core>
 #include <functional>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "vision/audit/halves.h"

@@ -2,7 +2,6 @@
 // - and the platform, by a mark or by its ground; and what a track's summary reports of it.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <type_traits>

@@ -14,7 +14,6 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <vector>
 
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/plane.h"

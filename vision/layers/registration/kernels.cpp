@@ -1,6 +1,5 @@
 #include "vision/layers/registration/kernels.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "vision/kernels/vector_kernels.h"
