@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <stdexcept>
 
 #include "model/run/solved_run.h"
 #include "model/run/spin_run.h"

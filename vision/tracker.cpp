@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
-#include <utility>
 
 #include "vision/audit/audit.h"
 #include "vision/camera/frame_cache.h"

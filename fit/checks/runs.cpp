@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 #include <tuple>
-#include <vector>
 
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"

@@ -1,7 +1,6 @@
 #include "fit/conditions.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "fit/conditions/quantities.h"

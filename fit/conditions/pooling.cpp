@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
-#include <vector>
 
 #include "fit/tools/statistics.h"
 

@@ -10,7 +10,6 @@
 #include "fit/tools/dense.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/stage_progress.h"
-#include "fit/uncertainty/covariance.h"
 #include "fit/uncertainty/identifiability.h"
 #include "model/parallel.h"
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <optional>
 #include <vector>
 
 #include "fit/measuring/sine_fit.h"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <vector>
 
 #include "fit/tools/angles.h"
 #include "fit/tools/dense.h"

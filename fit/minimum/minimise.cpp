@@ -8,7 +8,6 @@
 #include <limits>
 #include <memory>
 #include <utility>
-#include <vector>
 
 #include "fit/estimate.h"
 #include "fit/tools/dense.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "fit/minimum/screen.h"
 #include "fit/tools/stage_progress.h"
 #include "fit/tools/statistics.h"
 #include "model/alpha_v.h"

@@ -12,7 +12,6 @@
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 #include "fit/tools/track_errors.h"
-#include "fit/uncertainty/covariance.h"
 #include "fit/uncertainty/identifiability.h"
 #include "fit/variances/excess_variance.h"
 #include "model/alpha_v.h"

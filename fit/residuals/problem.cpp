@@ -1,6 +1,5 @@
 #include "fit/problem.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>

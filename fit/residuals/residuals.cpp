@@ -8,7 +8,6 @@
 #include "fit/tools/dense.h"
 #include "fit/tools/statistics.h"
 #include "model/parallel.h"
-#include "model/trajectory.h"
 
 namespace tribotrack::fit::internal {
 namespace {

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "fit/residuals/free_slide.h"
 #include "fit/tools/dense.h"

@@ -7,8 +7,6 @@
 #include <map>
 
 #include "fit/residuals/free_slide.h"
-#include "fit/slides/between_slides.h"
-#include "fit/slides/blows.h"
 #include "fit/tools/thresholds.h"
 #include "fit/tools/track_errors.h"
 #include "model/parallel.h"

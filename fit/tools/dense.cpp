@@ -1,6 +1,5 @@
 #include "fit/tools/dense.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>

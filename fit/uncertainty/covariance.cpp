@@ -5,7 +5,6 @@
 #include <limits>
 #include <optional>
 #include <random>
-#include <vector>
 
 #include "fit/tools/dense.h"
 #include "fit/tools/stage_progress.h"

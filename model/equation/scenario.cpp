@@ -7,9 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "model/drive.h"
 #include "model/equation/phase.h"
-#include "model/friction.h"
 
 namespace tribotrack::model {
 namespace {

@@ -1,7 +1,5 @@
 #include "model/series/creep.h"
 
-#include <cmath>
-
 namespace tribotrack::model::internal {
 namespace {
 

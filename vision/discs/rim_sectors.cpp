@@ -1,6 +1,5 @@
 #include "vision/discs/rim_sectors.h"
 
-#include <Eigen/Core>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>

@@ -4,11 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "vision/frame_sink.h"
-#include "vision/frame_source.h"
 #include "vision/io/levels.h"
 #include "vision/io/picture_files.h"
 #include "vision/kernels/plane.h"

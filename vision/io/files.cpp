@@ -8,14 +8,10 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <mutex>
 #include <random>
 #include <set>
-#include <string>
-#include <utility>
 
-#include "vision/picture.h"
 #include "vision/temporary_file.h"
 
 namespace tribotrack::vision {

@@ -11,7 +11,6 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <unordered_set>
 

@@ -1,7 +1,6 @@
 #include "vision/kernels/bspline.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <opencv2/core.hpp>

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 #include "vision/kernels/median.h"
 #include "vision/kernels/plane.h"

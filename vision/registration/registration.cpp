@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "vision/kernels/median.h"
-#include "vision/kernels/tile_kernels.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -1,11 +1,7 @@
 #include "vision/synthesis/disc.h"
 
-#include <algorithm>
-#include <cmath>
 #include <functional>
 #include <numbers>
-
-#include "vision/synthesis/camera.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "vision/picture.h"
 #include "vision/time_base.h"

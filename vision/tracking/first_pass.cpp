@@ -8,7 +8,6 @@
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
 #include "vision/kernels/plane.h"
-#include "vision/tracking/setup.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include "vision/camera/pixels.h"
-#include "vision/following/pattern_follower.h"
 #include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 #include "vision/registration/registration.h"
