@@ -7,10 +7,26 @@
 #include "vision/discs/disc_detection.h"
 #include "vision/kernels/plane.h"
 #include "vision/survey.h"
-#include "vision/survey/lamps.h"
+#include "vision/survey/spread_frames.h"
 #include "vision/tracking/target.h"
 
 namespace tribotrack::vision {
+
+std::vector<std::int64_t> spread_frames(std::int64_t span, int most) {
+  std::vector<std::int64_t> frames;
+  if (span <= most) {
+    for (std::int64_t k = 0; k < span; ++k) frames.push_back(k);
+    return frames;
+  }
+  for (int k = 0; k < most; ++k) {
+    const double turns = k / std::numbers::phi;
+    frames.push_back(static_cast<std::int64_t>((turns - std::floor(turns)) * static_cast<double>(span)));
+  }
+  std::ranges::sort(frames);
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  return frames;
+}
+
 namespace {
 
 constexpr double kPixelsAtWork = 4e5;  ///< larger pictures are looked at in bins of several pixels
@@ -206,23 +222,7 @@ class Candidate {
   TwoLevels levels_;
 };
 
-}  // namespace
-
-std::vector<std::int64_t> spread_frames(std::int64_t span, int most) {
-  std::vector<std::int64_t> frames;
-  if (span <= most) {
-    for (std::int64_t k = 0; k < span; ++k) frames.push_back(k);
-    return frames;
-  }
-  for (int k = 0; k < most; ++k) {
-    const double turns = k / std::numbers::phi;
-    frames.push_back(static_cast<std::int64_t>((turns - std::floor(turns)) * static_cast<double>(span)));
-  }
-  std::ranges::sort(frames);
-  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
-  return frames;
-}
-
+/// What switches in those frames as lamps do.
 std::vector<SurveyedLamp> find_lamps(FrameSource& source, std::span<const std::int64_t> frames) {
   const BinnedFrames binned(source, frames);
   const cv::Mat mask = switching_bins(binned);
@@ -243,8 +243,6 @@ std::vector<SurveyedLamp> find_lamps(FrameSource& source, std::span<const std::i
   if (lamps.size() > kMostLamps) lamps.resize(kMostLamps);
   return lamps;
 }
-
-namespace {
 
 constexpr int kFramesForDiscs = 8;
 constexpr int kFramesForLamps = 160;
