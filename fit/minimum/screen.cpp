@@ -294,14 +294,6 @@ double refinable(const Residuals& residuals) {
   return kOff * kOff * sum;
 }
 
-namespace {
-
-std::size_t fitted_runs(const Problem& problem) {
-  return problem.trajectory_runs.size() + problem.summary_runs.size();
-}
-
-}  // namespace
-
 std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads, std::size_t first) {
   const Unknowns& unknowns = residuals.unknowns();
   const Eigen::VectorXd guess = unknowns.first_guess();
@@ -328,7 +320,8 @@ std::vector<ScreenedPoint> screen(const Residuals& residuals, int threads, std::
   }
   judged(points, first);
   // Few runs leave more valleys, and narrower ones.
-  const int quiet = seen.size() < kRunsLookedAt || fitted_runs(unknowns.problem()) <= kFewRuns ? 2 : 1;
+  const std::size_t runs = unknowns.problem().trajectory_runs.size() + unknowns.problem().summary_runs.size();
+  const int quiet = seen.size() < kRunsLookedAt || runs <= kFewRuns ? 2 : 1;
   int since = 0;
   for (auto known = basins(unknowns, points, near); points.size() < kMost;) {
     const std::size_t before = points.size();
