@@ -29,9 +29,10 @@ struct EdgeFrame {
   bool only_inside = false;
 };
 
-struct EdgeEstimate {
-  Estimate edge;      ///< rad, relative to the guess
-  double jitter = 0;  ///< rad rms
+struct Edge {
+  Estimate phase;      ///< rad
+  double jitter = 0;   ///< rad rms
+  int partly_lit = 0;  ///< frames
 };
 
 constexpr double kStray = 1e-4;    ///< probability that a frame means nothing
@@ -150,13 +151,13 @@ Moments integrate(const std::vector<EdgeFrame>& frames, double centre, double re
   return moments(kFine, false);
 }
 
-/// Mean and standard deviation of the edge under a flat prior, by quadrature. `reach`: the edge lies within
+/// The edge less the guess, under a flat prior and by quadrature. `reach`: the edge lies within
 /// +- reach of the guess, rad. `resolution`: a jitter or spacing below this does not matter, rad.
-EdgeEstimate estimate_edge(const std::vector<EdgeFrame>& frames, double reach, double resolution) {
+Edge estimate_edge(const std::vector<EdgeFrame>& frames, double reach, double resolution) {
   const Moments still = integrate(frames, 0, reach, 0);
 
   // Jitter, where it is worth its while.
-  EdgeEstimate best{still.edge, 0};
+  Edge best{still.edge};
   double best_evidence = still.log_evidence + kJitterGain;
   double most = still.log_evidence;
   const auto attempt = [&](double tau) {
@@ -298,12 +299,6 @@ std::vector<EdgeFrame> frames_about(double edge, bool opening, double reach, dou
   return frames;
 }
 
-struct Edge {
-  Estimate phase;
-  double jitter = 0;
-  int partly_lit = 0;
-};
-
 Edge edge_of(double guess, bool opening, double reach, double half_exposure, double half_interval,
              double cycles, const LampRecord& lamp, const std::vector<double>& phase, const Levels& levels) {
   const auto frames = frames_about(guess, opening, reach, half_exposure, half_interval, lamp, phase, levels);
@@ -311,14 +306,12 @@ Edge edge_of(double guess, bool opening, double reach, double half_exposure, dou
   const double sigma = std::max(levels.off.sigma, levels.on.sigma) / levels.contrast();
   const double resolution = std::max(1e-7, 0.5 * sigma * std::max(2 * half_exposure, 1e-4) /
                                                std::sqrt(static_cast<double>(frames.size() + 1)));
-  const EdgeEstimate found = estimate_edge(frames, reach, std::min(resolution, 1e-3));
-  Edge edge;
-  edge.phase = {guess + found.edge.value, found.edge.sd};
-  edge.jitter = found.jitter;
+  Edge edge = estimate_edge(frames, reach, std::min(resolution, 1e-3));
   // One cycle measures its own edge once, however many frames it has.
   edge.phase.sd = std::max(edge.phase.sd, edge.jitter / std::sqrt(std::max(1.0, cycles)));
   for (const auto& f : frames)
-    edge.partly_lit += !f.only_inside && f.low < found.edge.value && f.high > found.edge.value;
+    edge.partly_lit += !f.only_inside && f.low < edge.phase.value && f.high > edge.phase.value;
+  edge.phase.value += guess;
   if (edge.partly_lit > 0) {
     // The levels are means of finitely many frames: half-way up, an error of either moves the edge by as
     // much.
