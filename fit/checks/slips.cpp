@@ -82,13 +82,9 @@ void map_displacement(SummaryRun& run, const Eigen::Matrix2d& map) {
   run.measured.covariance = map * run.measured.covariance * map.transpose();
 }
 
-void turn_alpha(SummaryRun& run, double angle) {
-  map_displacement(run, Eigen::Rotation2Dd(angle).toRotationMatrix());
-}
-
 void scale_alpha(SummaryRun& run, double factor) {
   const double alpha = std::atan2(run.measured.vector.y(), run.measured.vector.x());
-  turn_alpha(run, (factor - 1) * alpha);
+  map_displacement(run, Eigen::Rotation2Dd((factor - 1) * alpha).toRotationMatrix());
 }
 
 struct Candidate {
