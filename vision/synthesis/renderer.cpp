@@ -4,8 +4,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "vision/scene.h"
-#include "vision/synthesis/camera.h"
 #include "vision/synthesis/disc.h"
 #include "vision/synthesis/texture.h"
 
@@ -190,9 +188,7 @@ SceneRenderer::Implementation::Frame SceneRenderer::Implementation::expose(
 
 void SceneRenderer::Implementation::render_platform(const Frame& frame, Picture& picture) const {
   std::ranges::fill(picture.levels(), static_cast<float>(scene.platform.level));
-  std::vector<WeightedPoint> displacements;
-  for (const ExposureNode& node : frame.nodes) displacements.push_back({node.weight, node.pose.platform});
-  texture_pixels.add_to(picture, texture_pixels.coefficients(displacements));
+  texture_pixels.add_to(picture, texture_pixels.coefficients(frame.nodes));
 }
 
 void SceneRenderer::Implementation::render_filled(const Frame& frame, Picture& picture) const {
@@ -234,8 +230,8 @@ void SceneRenderer::Implementation::render_edges(const Frame& frame, Picture& pi
   const int points = static_cast<int>(rule.nodes.size());
   std::vector<TextureGrid::Coefficients> waves;
   for (const ExposureNode& node : frame.nodes) {
-    const WeightedPoint platform{1.0, node.pose.platform};
-    waves.push_back(texture_points.coefficients({&platform, 1}));
+    const ExposureNode alone{1.0, node.pose};
+    waves.push_back(texture_points.coefficients({&alone, 1}));
   }
   std::vector<char> edges(scene.width);
   std::vector<double> sums(scene.width);

@@ -10,7 +10,6 @@
 #include <numeric>
 
 #include "vision/cramer_rao_bound.h"
-#include "vision/synthesis/camera.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -72,13 +71,14 @@ TextureGrid::TextureGrid(const PlatformTexture& texture, std::span<const double>
   }
 }
 
-TextureGrid::Coefficients TextureGrid::coefficients(std::span<const WeightedPoint> displacements) const {
+TextureGrid::Coefficients TextureGrid::coefficients(std::span<const ExposureNode> nodes) const {
   Coefficients result;
   result.reserve(waves_.size());
   for (const PlatformTexture::Wave& wave : waves_) {
     std::complex<double> sum = 0;
-    for (const WeightedPoint& place : displacements) {
-      sum += std::polar(place.weight, wave.phase - wave.kx * place.point.x - wave.ky * place.point.y);
+    for (const ExposureNode& node : nodes) {
+      const Point& moved = node.pose.platform;
+      sum += std::polar(node.weight, wave.phase - wave.kx * moved.x - wave.ky * moved.y);
     }
     result.push_back(wave.amplitude * sum);
   }

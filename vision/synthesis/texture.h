@@ -8,8 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "vision/picture.h"
-#include "vision/scene.h"
+#include "vision/synthesis/camera.h"
 
 namespace tribotrack::vision {
 
@@ -33,12 +32,6 @@ class PlatformTexture {
   std::vector<Wave> waves_;
 };
 
-/// A platform displacement and its share of the exposure.
-struct WeightedPoint {
-  double weight = 1;
-  Point point;
-};
-
 /// The texture on a grid of places xs x ys. A wave factors into x and y, so the grid is a product of two thin
 /// matrices, and a displacement or its mean over an exposure changes only one coefficient per wave.
 class TextureGrid {
@@ -49,8 +42,8 @@ class TextureGrid {
   TextureGrid(const PlatformTexture& texture, std::span<const double> xs, std::span<const double> ys,
               Value value);
 
-  /// For the mean over an exposure in which the platform stands at each displacement for its share.
-  Coefficients coefficients(std::span<const WeightedPoint> displacements) const;
+  /// For the mean over an exposure.
+  Coefficients coefficients(std::span<const ExposureNode> nodes) const;
   /// The whole grid, added to the picture of the same size.
   void add_to(Picture& picture, const Coefficients& coefficients) const;
   /// One row of it: prepare once, then evaluate its places.
