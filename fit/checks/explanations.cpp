@@ -1,5 +1,7 @@
 #include "fit/checks/explanations.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -7,6 +9,7 @@
 
 #include "fit/checks/runs.h"
 #include "fit/minimum/multi_start.h"
+#include "fit/rounding.h"
 #include "fit/tools/dense.h"
 #include "fit/tools/thresholds.h"
 #include "fit/uncertainty/covariance.h"
@@ -18,6 +21,7 @@ namespace {
 /// What the fit takes as exact, or as known to an sd.
 struct Candidate {
   const char* name;
+  const char* what;  ///< before its size
   const char* unit;
   double per_unit;  ///< of the unit, in one of the quantity's; 0: per cent of its own value
   std::vector<FitParameter> quantities;
@@ -26,20 +30,21 @@ struct Candidate {
 
 const std::vector<Candidate>& candidates() {
   using enum FitParameter;
-  static const std::vector<Candidate> all = {{"tilt", "rad", 1, {tilt_x, tilt_y}},
-                                             {"amplitude", "%", 0, {amplitude}},
-                                             {"amplitude_ratio", "%", 100, {amplitude_ratio}},
-                                             {"phase_shift", "rad", 1, {phase_shift}},
-                                             {"clock", "%", 0, {angular_frequency}},
-                                             {"scale", "%", 100, {scale}},
-                                             {"start_phase", "rad", 1, {start_phase}},
-                                             {"stribeck", "%", 100, {stribeck}, true},
-                                             {"viscous", "1/s", 1, {viscous}, true},
-                                             {"mu2_speed", "%", 100, {mu2_speed}, true},
-                                             {"mu2_width", "%/rad", 100, {mu2_width}},
-                                             {"gate_edges", "rad", 1, {gate_edges}, true},
-                                             {"static_friction", "%", 100, {static_friction}, true},
-                                             {"wear", "%", 100, {wear}}};
+  static const std::vector<Candidate> all = {
+      {"tilt", "a tilt of the platform", "rad", 1, {tilt_x, tilt_y}},
+      {"amplitude", "another amplitude", "%", 0, {amplitude}},
+      {"amplitude_ratio", "unequal amplitudes along x and y", "%", 100, {amplitude_ratio}},
+      {"phase_shift", "another phase shift between x and y", "rad", 1, {phase_shift}},
+      {"clock", "another frequency of the platform", "%", 0, {angular_frequency}},
+      {"scale", "another scale", "%", 100, {scale}},
+      {"start_phase", "another phase of the platform at the start", "rad", 1, {start_phase}},
+      {"stribeck", "friction that falls with speed (Stribeck)", "%", 100, {stribeck}, true},
+      {"viscous", "friction that rises with speed (viscous)", "1/s", 1, {viscous}, true},
+      {"mu2_speed", "a reduced friction that rises with speed", "%", 100, {mu2_speed}, true},
+      {"mu2_width", "a reduced friction that changes with the width of the gate", "%/rad", 100, {mu2_width}},
+      {"gate_edges", "gate edges that take their time", "rad", 1, {gate_edges}, true},
+      {"static_friction", "a higher friction at rest", "%", 100, {static_friction}, true},
+      {"wear", "friction that changes in the course of the campaign", "%", 100, {wear}}};
   return all;
 }
 
@@ -301,6 +306,13 @@ double independent_points(const Residuals& residuals, Minimum best) {
 }
 
 }  // namespace
+
+std::string sentence_of(const Explanation& e) {
+  if (e.name == "bad_run") return "run '" + e.run + "', which contradicts the others";
+  const auto found = std::ranges::find(candidates(), e.name, &Candidate::name);
+  const char* what = found == candidates().end() ? "friction that differs from run to run" : found->what;
+  return fmt::format("{} ({} {})", what, quoted(e.size, e.size_sd), e.unit);
+}
 
 std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Minimum& best, bool rejected,
                                            int threads) {

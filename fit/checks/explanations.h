@@ -10,6 +10,7 @@
 // refitted, since a large effect is not linear.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "fit/fit_result.h"
@@ -29,6 +30,9 @@ struct ExplainedProblem {
 /// without excess variance.
 std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Minimum& best, bool rejected,
                                            int threads);
+
+/// "a tilt of the platform (1.01(3) rad)", "run 'a', which contradicts the others".
+std::string sentence_of(const Explanation& explanation);
 
 /// By how much Akaike's criterion falls.
 inline double gain_of(const Explanation& found) {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "fit/rounding.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
@@ -31,27 +30,6 @@ Interval expected_reduced_chi2(int dof, double noise_dof) {
 
 namespace internal {
 namespace {
-
-struct Words {
-  const char* name;
-  const char* what;  ///< before its size
-};
-
-constexpr Words kWords[] = {{"tilt", "a tilt of the platform"},
-                            {"amplitude", "another amplitude"},
-                            {"amplitude_ratio", "unequal amplitudes along x and y"},
-                            {"phase_shift", "another phase shift between x and y"},
-                            {"clock", "another frequency of the platform"},
-                            {"scale", "another scale"},
-                            {"start_phase", "another phase of the platform at the start"},
-                            {"stribeck", "friction that falls with speed (Stribeck)"},
-                            {"viscous", "friction that rises with speed (viscous)"},
-                            {"mu2_speed", "a reduced friction that rises with speed"},
-                            {"mu2_width", "a reduced friction that changes with the width of the gate"},
-                            {"gate_edges", "gate edges that take their time"},
-                            {"static_friction", "a higher friction at rest"},
-                            {"wear", "friction that changes in the course of the campaign"},
-                            {"run_scatter", "friction that differs from run to run"}};
 
 std::string rejection(const FitResult& result) {
   return fmt::format("the data reject the model as described: chi2 {} at {} degrees of freedom, {}",
@@ -82,13 +60,6 @@ void add_doubts(const FitResult& result, std::vector<std::string>& reasons) {
 }
 
 }  // namespace
-
-std::string sentence_of(const Explanation& e) {
-  if (e.name == "bad_run") return "run '" + e.run + "', which contradicts the others";
-  const auto words = std::ranges::find_if(kWords, [&](const Words& w) { return e.name == w.name; });
-  const std::string what = words == std::end(kWords) ? e.name : words->what;
-  return fmt::format("{} ({} {})", what, quoted(e.size, e.size_sd), e.unit);
-}
 
 void judge(FitResult& result) {
   auto& reasons = result.verdict_reasons;

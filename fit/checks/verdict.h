@@ -46,7 +46,4 @@ void judge(FitResult& result);
 /// From chi2, dof, p_value and scatter of a result.
 Agreement agreement(const FitResult& result);
 
-/// "a tilt of 1.01(3) mrad", "run 'a' 9 sd off".
-std::string sentence_of(const Explanation& explanation);
-
 }  // namespace tribotrack::fit::internal
