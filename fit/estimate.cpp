@@ -286,8 +286,7 @@ void Estimation::find_other_minima() {
     if (rough.chi2 - lowest > 2 * kNearMinimum * excess_) continue;
     Residuals there = residuals_;
     there.linearise(unknowns_.values(rough.z));
-    const Minimum near =
-        minimise(there, fold_lag(unknowns_, rough.z), {.held = {}, .decrement = 0.1, .known = &minima_});
+    const Minimum near = minimise(there, fold_lag(unknowns_, rough.z), {.decrement = 0.1, .known = &minima_});
     if (near.joined || near.abandoned || !(near.chi2 - best_.chi2 < 2 * kNearMinimum * excess)) continue;
     const Minimum other = minimise_linearised(there, near.z);
     const bool known = std::any_of(minima_.begin(), minima_.end(), [&](const Minimum& minimum) {

@@ -179,9 +179,8 @@ class ScoreTests {
     residuals.linearise(start);
     const Minimum minimum = linearised(
         residuals,
-        minimise_linearised(
-            residuals, unknowns.z(start),
-            {.held = {}, .decrement = std::max(1e-4, kShare * best_.chi2), .full_steps = kMostSteps}));
+        minimise_linearised(residuals, unknowns.z(start),
+                            {.decrement = std::max(1e-4, kShare * best_.chi2), .full_steps = kMostSteps}));
     if (!minimum.converged || minimum.at.empty() || minimum.chi2 > best_.chi2 ||
         !admissible(unknowns, minimum.z))
       return {};

@@ -89,8 +89,7 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
     std::vector<double> weights;
     for (std::size_t k = 0; k < runs; ++k) weights.push_back(out[k] ? kLeftOut : 1);
     residuals.set_weights(weights);
-    const Minimum without =
-        linearised(residuals, minimise(residuals, best.z, {.held = {}, .decrement = 1e-6}));
+    const Minimum without = linearised(residuals, minimise(residuals, best.z, {.decrement = 1e-6}));
     const double drop = best.chi2 - without.chi2;
     const double probability = std::min(1.0, count * chance(drop, without.chi2, dof - 2));
     if (!(probability < kOutlier) || without.at.empty()) break;

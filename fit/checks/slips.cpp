@@ -193,10 +193,8 @@ std::optional<Eigen::VectorXd> roughly(Problem problem) {
   ExcessVariance excess;
   excess.runs = kNear * upper_median(lengths);
   residuals.set_excess_variance(excess);
-  MinimiseOptions descent;
-  descent.decrement = 0.1;
-  descent.max_iterations = 12;
-  const Minimum minimum = minimise(residuals, unknowns.z(best_place(residuals)), descent);
+  const Minimum minimum =
+      minimise(residuals, unknowns.z(best_place(residuals)), {.decrement = 0.1, .max_iterations = 12});
   if (!(minimum.chi2 < kFar * std::max(1.0, residuals.degrees_of_freedom()))) return std::nullopt;
   return unknowns.values(minimum.z);
 }
@@ -211,10 +209,7 @@ std::optional<SlipFound> refit(const Problem& problem, const Candidate& candidat
   Eigen::VectorXd values = unknowns.first_guess();
   values.head(near->size()) = *near;
   residuals.set_own_errors(values);
-  MinimiseOptions descent;
-  descent.decrement = 0.01;
-  descent.max_iterations = 25;
-  const Minimum minimum = minimise(residuals, unknowns.z(values), descent);
+  const Minimum minimum = minimise(residuals, unknowns.z(values), {.decrement = 0.01, .max_iterations = 25});
   SlipFound slip{candidate.what, candidate.factor, {}, minimum.chi2, 0, 0};
   slip.dof = std::max(0, static_cast<int>(std::lround(residuals.degrees_of_freedom())));
   slip.p_value = chi2_survival(minimum.chi2, residuals.degrees_of_freedom());

@@ -38,13 +38,11 @@ Minimum search_elsewhere(Residuals& residuals, const Minimum& best, const Search
   const std::size_t runs = std::max(kRunsToSearch, unknowns.problem().summary_runs.size());
   const auto points = basins(unknowns, search.sample, refinable(residuals));
   if (points.empty() || !residuals.linear_in_conditions()) return best;
-  MinimiseOptions few_steps;
-  few_steps.full_steps = 6;
   std::vector<Minimum> ends(kDescents * kRunsToSearch / runs);
   parallel_for(ends.size(), threads, [&](std::size_t k) {
     Residuals there = residuals;
     const Eigen::VectorXd values = unknowns.values(points[k % points.size()].z);
-    ends[k] = descend_in_full(there, elsewhere(unknowns, values, static_cast<int>(k) + 1), few_steps);
+    ends[k] = descend_in_full(there, elsewhere(unknowns, values, static_cast<int>(k) + 1), {.full_steps = 6});
   });
   std::erase_if(ends, [&](const Minimum& end) { return end.at.empty() || !admissible(unknowns, end.z); });
   std::ranges::stable_sort(ends, {}, &Minimum::chi2);

@@ -23,7 +23,8 @@ struct Minimum {
 };
 
 struct MinimiseOptions {
-  std::optional<Eigen::Index> held;  ///< this z, of what all runs share, stays as it is (profiles)
+  /// This z, of what all runs share, stays as it is (profiles).
+  std::optional<Eigen::Index> held = std::nullopt;
   /// Newton's decrement at which to stop: by how much chi^2 would still fall if the model were linear. 1e-10
   /// is 1e-5 standard deviations from the minimum.
   double decrement = 1e-10;

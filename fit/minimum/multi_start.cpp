@@ -59,10 +59,8 @@ class Minima {
   /// From these places, in whose order they are kept; into each so many led before.
   void descend_from(const std::vector<Eigen::VectorXd>& places, int threads, Stage& told,
                     const std::vector<int>& descents = {}) {
-    MinimiseOptions rough;
-    rough.decrement = kRoughDecrement;
     const std::vector<Minimum> known = found_;
-    if (!known.empty()) rough.known = &known;
+    const MinimiseOptions rough{.decrement = kRoughDecrement, .known = known.empty() ? nullptr : &known};
     std::vector<Minimum> ends(places.size());
     parallel_for(places.size(), threads, [&](std::size_t i) {
       ends[i] = minimise(residuals_, places[i], rough);

@@ -185,7 +185,7 @@ Bootstrap bootstrap(const Residuals& residuals, const Minimum& best, bool scatte
         scatter_estimated ? std::sqrt(dof / std::chi_squared_distribution<double>(dof)(random)) : 1;
     Residuals refit = plain;
     refit.set_shift(drawn(plain, *at, noise, random));
-    Minimum minimum = minimise(refit, best.z, {.held = {}, .decrement = 1e-4});
+    Minimum minimum = minimise(refit, best.z, {.decrement = 1e-4});
     if (options.loss != Loss::squares && std::isfinite(minimum.chi2))
       reweighted_fit(refit, minimum, {.loss = options.loss});
     if (minimum.converged) estimates[k] = unknowns.values(minimum.z);

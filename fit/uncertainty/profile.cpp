@@ -37,12 +37,7 @@ Interval limits(const Unknowns& unknowns, FitParameter parameter, double value) 
 constexpr double kLower = 0.01;
 
 MinimiseOptions held_at(Eigen::Index parameter) {
-  MinimiseOptions options;
-  options.held = parameter;
-  options.decrement = 1e-3;
-  options.max_iterations = 15;
-  options.patient = false;
-  return options;
+  return {.held = parameter, .decrement = 1e-3, .max_iterations = 15, .patient = false};
 }
 
 /// From a point inside a region to where the constrained minimum leaves it.
