@@ -10,15 +10,6 @@
 #include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
-namespace {
-
-constexpr std::size_t kTracks = 6;  ///< basins that a fit to tracks, whose descents cost much, looks into
-constexpr double kRoughDecrement = 0.01;  ///< a tenth of a standard deviation
-/// Points of the box to begin with; the latter where the lowest minimum that they lead to is rejected.
-constexpr std::size_t kPoints[] = {250, 2000};
-constexpr double kRejected = 1e-3;
-
-}  // namespace
 
 bool same(const Unknowns& unknowns, const Minimum& a, const Minimum& b, double spread) {
   Eigen::VectorXd other = b.z;
@@ -60,6 +51,7 @@ class Minima {
   void descend_from(const std::vector<Eigen::VectorXd>& places, int threads, Stage& told,
                     const std::vector<int>& descents = {}) {
     const std::vector<Minimum> known = found_;
+    constexpr double kRoughDecrement = 0.01;  ///< a tenth of a standard deviation
     const MinimiseOptions rough{.decrement = kRoughDecrement, .known = known.empty() ? nullptr : &known};
     std::vector<Minimum> ends(places.size());
     parallel_for(places.size(), threads, [&](std::size_t i) {
@@ -104,6 +96,7 @@ std::vector<Eigen::VectorXd> starts_of(Search& search, const Residuals& residual
   if (wanted == 1 || guessed(unknowns)) starts.push_back(unknowns.z(unknowns.first_guess()));
   if (wanted > 1) {
     search.sample = screen(residuals, options.threads, points);
+    constexpr std::size_t kTracks = 6;  ///< basins that a fit to tracks, whose descents cost much, looks into
     const std::size_t most = unknowns.problem().trajectory_runs.empty() ? wanted : std::min(wanted, kTracks);
     for (const auto& point : basins(unknowns, search.sample, refinable(residuals)))
       if (starts.size() < most) starts.push_back(point.z);
@@ -134,7 +127,9 @@ Search multi_start(const Residuals& residuals, const FitOptions& options) {
   }
   Residuals& searched = many ? *residuals_of_few : rough;
   std::vector<Minimum> found;
-  for (const std::size_t points : kPoints) {
+  constexpr double kRejected = 1e-3;
+  // Points of the box; the latter where the lowest minimum that the former lead to is rejected.
+  for (const std::size_t points : {250U, 2000U}) {
     const std::size_t before = search.sample.size();
     std::vector<Eigen::VectorXd> starts = starts_of(search, residuals, options, points);
     if (search.sample.size() == before && search.starts > 0) break;

@@ -209,12 +209,6 @@ std::string FitResult::full_report() const {
   return text + lines(warnings);
 }
 
-namespace {
-
-constexpr double kTolerance = 1e-8;  // of the path: a line in a figure
-
-}  // namespace
-
 Eigen::Vector2d modelled_displacement(const model::Scenario& scenario) {
   return internal::end_point(scenario, {}, model::IntegrationOptions{}.tolerance).position;
 }
@@ -239,6 +233,7 @@ Displacement predicted_displacement(const model::Scenario& fitted, const FittedP
     units(i) = in_proportion ? values(i) / known.estimates(i) : 1;
   }
   const internal::AppliedScenario applied = unknowns.apply(values, fitted, false, true);
+  constexpr double kTolerance = 1e-8;  // of the path: a line in a figure
   const internal::EndPoint end = internal::end_point(fitted, applied.wanted, kTolerance, max_steps);
   Displacement displacement;
   displacement.vector = end.position;

@@ -11,9 +11,6 @@
 #include "vision/kernels/plane.h"
 
 namespace tribotrack::vision {
-namespace {
-constexpr double kMemory = 0.2;  ///< weight of the newest error in the running mean
-}
 
 void MotionPrediction::add(std::int64_t frame, const Point& position) {
   if (!places_.empty() && places_.back().frame == frame) places_.pop_back();  // seen better
@@ -21,6 +18,7 @@ void MotionPrediction::add(std::int64_t frame, const Point& position) {
     const Point predicted = at(frame);
     const auto gap = static_cast<double>(std::max<std::int64_t>(1, frame - last_frame()));
     const double error = distance(position, predicted) / gap;
+    constexpr double kMemory = 0.2;  ///< weight of the newest error in the running mean
     error_squared_ += kMemory * (error * error - error_squared_);
     top_speed_ = std::max(top_speed_, distance(position, last()) / gap);
   }

@@ -7,13 +7,6 @@
 #include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
-namespace {
-
-constexpr int kMostIterations = 20;
-constexpr double kFarthest = 4;      ///< px from the start: further is no convergence
-constexpr double kTolerance = 1e-4;  ///< px
-
-}  // namespace
 
 TemplateRegistration::Matrix TemplateRegistration::normal_matrix() const {
   return symmetric(normal_sums(arrays_), columns());
@@ -33,6 +26,9 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   double gain = 1;
   double offset = 0;
   const double noise_sd = std::sqrt(options_.noise_variance);
+  constexpr int kMostIterations = 20;
+  constexpr double kFarthest = 4;      ///< px from the start: further is no convergence
+  constexpr double kTolerance = 1e-4;  ///< px
   bool trimmed = false;
   std::size_t trimmed_count = 0;
   std::optional<ForceSums> last;  // where they are those of the pose found
@@ -143,13 +139,6 @@ double TemplateRegistration::score(const Picture& picture, int x, int y, const P
 // TemplateRegistration, robustness: pixels that do not belong to the template (glare, a hand) are trimmed,
 // and what the template does not explain enters the covariance.
 
-namespace {
-
-constexpr double kMaxTrim = 0.4;           ///< a larger share of outliers: it is not the template
-constexpr double kUsual = 4 * kNormalMad;  ///< median sizes of the residual
-
-}  // namespace
-
 /// Sets the weight of pixels to zero whose residual cannot be noise. Returns how many.
 std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, double offset, double noise_sd) {
   const double least = std::max(6 * noise_sd, 0.5 * std::abs(gain) * contrast_);
@@ -161,6 +150,7 @@ std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, doubl
         std::abs(arrays_.level[i] - static_cast<float>(gain) * arrays_.value[i] - static_cast<float>(offset));
     sizes.push_back(residual[i]);
   }
+  constexpr double kUsual = 4 * kNormalMad;  ///< median sizes of the residual
   const double limit = std::max(least, kUsual * static_cast<double>(median(sizes)));
   std::vector<unsigned char> outliers(mask_.size());
   for (std::size_t i = 0; i < mask_.size(); ++i) outliers[i] = static_cast<double>(residual[i]) > limit;
@@ -173,6 +163,7 @@ std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, doubl
     ++count;
   }
   trimmed_ = true;
+  constexpr double kMaxTrim = 0.4;  ///< a larger share of outliers: it is not the template
   if (static_cast<double>(count) > kMaxTrim * static_cast<double>(sizes.size())) {
     arrays_.weight = base_weight_;
     return 0;

@@ -10,16 +10,12 @@
 #include "vision/registration/pattern.h"
 
 namespace tribotrack::vision {
-namespace {
-
-constexpr int kBorder = 12;  ///< context of the spline around the template, px
-
-}  // namespace
 
 TemplateRegistration::TemplateRegistration(const Picture& first, const Pattern& pattern,
                                            const RegistrationOptions& options)
     : options_(options), pattern_(pattern) {
   const Rect& w = pattern.window;
+  constexpr int kBorder = 12;  ///< context of the spline around the template, px
   const Rect context = grown(w, kBorder, bounds_of(first));
   spline_ = QuinticSpline(part_of(first, context));
   spline_x_ = context.x;

@@ -54,12 +54,6 @@ float CounterRandom::gaussian(std::uint64_t counter) const {
   return edges[cell] + fraction * (edges[cell + 1] - edges[cell]);
 }
 
-namespace {
-
-constexpr std::uint64_t kNoiseStream = 0x6e015e0000000000u;  // away from the streams of the appearance
-
-}  // namespace
-
 SceneCamera::SceneCamera(const Scene& scene)
     : flicker_(scene.flicker),
       flicker_hz_(scene.flicker_hz),
@@ -91,6 +85,7 @@ void SceneCamera::to_levels(Picture& picture) const {
 }
 
 void SceneCamera::record(Picture& picture, std::int64_t index) const {
+  constexpr std::uint64_t kNoiseStream = 0x6e015e0000000000u;  // away from the streams of the appearance
   const CounterRandom random(seed_, kNoiseStream + static_cast<std::uint64_t>(index));
   const bool noisy = read_variance_ > 0 || variance_per_level_ > 0;
   const std::span<float> levels = picture.levels();

@@ -261,14 +261,6 @@ PartPictures learn_pictures(const PartPictures& before, const GroundPicture& gro
   return out;
 }
 
-namespace {
-
-constexpr double kUnknownScatter = 0.1;  ///< of the noise's variance: a scatter below goes unnoticed
-constexpr double kNoChance = 5;          ///< of Fisher's ratio: once in 4000 fields of forty slopes
-constexpr double kNoSpread = 0.5;        ///< px: places that differ by less tell nothing of S
-
-}  // namespace
-
 Eigen::Vector3d IlluminationSlope::terms(const Point& place) const {
   return {1, place.x - middle_.x, place.y - middle_.y};
 }
@@ -281,6 +273,7 @@ IlluminationSlope::IlluminationSlope(std::span<const MeasuredSlope> slopes) {
     middle_.y += s.place.y / n;
     noise_ += s.variance / n;
   }
+  constexpr double kNoSpread = 0.5;  ///< px: places that differ by less tell nothing of S
   Eigen::Matrix3d normal = n * Eigen::Vector3d(0, kNoSpread * kNoSpread, kNoSpread * kNoSpread).asDiagonal();
   Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
   for (const MeasuredSlope& s : slopes) {
@@ -294,6 +287,8 @@ IlluminationSlope::IlluminationSlope(std::span<const MeasuredSlope> slopes) {
   for (const MeasuredSlope& s : slopes) even += s.slope_x * s.slope_x + s.slope_y * s.slope_y;
   for (const MeasuredSlope& s : slopes)
     square += (Eigen::Vector2d(s.slope_x, s.slope_y) - field_.transpose() * terms(s.place)).squaredNorm();
+  constexpr double kUnknownScatter = 0.1;  ///< of the noise's variance: a scatter below goes unnoticed
+  constexpr double kNoChance = 5;          ///< of Fisher's ratio: once in 4000 fields of forty slopes
   // Fisher's ratio: what each of the field's six numbers explains over what is left of each degree of
   // freedom.
   known_ = (even - square) / 6 > kNoChance * square / (2 * (n - 3));
