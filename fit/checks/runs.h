@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "fit/estimate.h"
 #include "fit/fit_result.h"
 #include "fit/minimum/minimise.h"
 #include "fit/problem.h"

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "fit/estimate.h"
-#include "fit/tools/dense.h"
 #include "fit/tools/thresholds.h"
 
 namespace tribotrack::fit {

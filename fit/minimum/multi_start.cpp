@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "fit/tools/stage_progress.h"
-#include "fit/tools/statistics.h"
 #include "model/alpha_v.h"
 #include "model/parallel.h"
 

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "fit/estimate.h"
 #include "fit/uncertainty/covariance.h"
 
 namespace tribotrack::fit::internal {

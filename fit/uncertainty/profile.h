@@ -10,7 +10,6 @@
 #include <optional>
 #include <vector>
 
-#include "fit/estimate.h"
 #include "fit/minimum/minimise.h"
 #include "fit/minimum/screen.h"
 

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "vision/kernels/dense.h"
-#include "vision/kernels/median.h"
 
 namespace tribotrack::vision {
 namespace {

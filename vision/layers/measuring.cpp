@@ -7,7 +7,6 @@
 
 #include "vision/audit/halves.h"
 #include "vision/io/levels.h"
-#include "vision/kernels/median.h"
 #include "vision/kernels/parallel.h"
 
 namespace tribotrack::vision {
