@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <numeric>
@@ -10,7 +11,9 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "vision/duplicate_frames.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
 #include "vision/kernels/plane.h"
@@ -64,59 +67,6 @@ std::pair<double, double> weave_of(const Picture& before, const Picture& now, co
   }
   return {projection, square};
 }
-
-}  // namespace
-
-void PictureWatch::read(std::int64_t index, const Rect& window, Picture& picture) {
-  const bool next = first_ < 0 || index == next_;
-  if (next) {
-    if (first_ < 0) first_ = index;
-    next_ = index + 1;
-    info_.decoded ? look_at_decoded(index) : look_at_rows(index);
-  }
-  const bool held = info_.decoded && index < next_ && index + std::ssize(kept_) >= next_ && index >= first_;
-  if (!held) return source_.read(index, window, picture);
-  prepare_window(info_, index, window, picture);
-  copy_window(kept(index), window, picture);
-}
-
-void PictureWatch::look_at_decoded(std::int64_t index) {
-  constexpr std::size_t kWeaves = 24;  // frames are enough
-  source_.read(index, bounds(), kept(index));
-  step_.push_back(index > first_ ? step_of(kept(index), kept(index - 1)) : NAN);
-  over_.push_back(NAN);
-  // Asked only where the step before this one may be that of a repeat.
-  const auto before = std::ssize(step_) - 2;
-  if (before >= 2) {
-    const auto earlier = step_.begin() + std::max<std::int64_t>(1, before - kStoredOften);
-    const float most = *std::max_element(earlier, step_.begin() + before);
-    const bool may_repeat = before <= kStoredOften || step_[static_cast<std::size_t>(before)] < 0.75F * most;
-    over_[static_cast<std::size_t>(before)] = may_repeat ? step_of(kept(index), kept(index - 3)) : 0;
-  }
-  if (index < first_ + 2 || weave_.size() >= kWeaves) return;
-  const auto [projection, square] =
-      weave_of(kept(index - 2), kept(index - 1), kept(index), std::ldexp(kMovingPixel, info_.bits - 8));
-  if (square > 0) weave_.push_back(projection);
-  weave_square_ += square;
-}
-
-/// A camera's noise makes one row of two pictures differ already.
-void PictureWatch::look_at_rows(std::int64_t index) {
-  source_.read(index, {0, info_.height / 2, info_.width, 1}, kept(index));
-  bool same = index > first_ && equal(kept(index), kept(index - 1));
-  if (same) {
-    if (whole_index_ != index - 1) source_.read(index - 1, bounds(), whole_);
-    Picture whole;
-    source_.read(index, bounds(), whole);
-    same = equal(whole, whole_);
-    whole_ = std::move(whole);
-    whole_index_ = index;
-  }
-  step_.push_back(same ? 0 : 1);
-  over_.push_back(NAN);
-}
-
-namespace {
 
 /// Frames whose picture is all but that of the frame before, while the scene moves on before and after. A
 /// motion that turns round there does as little: then, as on a parabola, what the neighbours of both frames
@@ -174,39 +124,154 @@ std::vector<std::pair<std::int64_t, std::int64_t>> equal_pictures(const std::vec
   return runs;
 }
 
-}  // namespace
-
-RepeatedFrames PictureWatch::found() const {
-  constexpr std::int64_t kMostPauses = 3;  // more are pictures that were stored as often each
-  RepeatedFrames found;
-  found.looked_at = std::ssize(step_);
-  if (info_.decoded)
-    found.repeated = repeats_in_motion(step_, over_, std::ldexp(kMotion, info_.bits - 8), kSmall);
-  const auto runs = equal_pictures(step_);
-  const auto is_long = [](const auto& run) { return run.second - run.first + 1 >= kStill; };
-  const bool paused = std::ranges::count_if(runs, is_long) <= kMostPauses;
-  const std::vector<std::int64_t> in_motion = found.repeated;
-  for (const auto& run : runs) {
-    if (paused && is_long(run) && !std::ranges::binary_search(in_motion, run.second))
-      found.still.emplace_back(first_ + run.first, first_ + run.second);
-    else if (!info_.coder)
-      for (std::int64_t k = run.first + 1; k <= run.second; ++k) found.repeated.push_back(k);
+/// Hands on what it reads, and compares each frame read after the one before it: see RepeatedFrames. Other
+/// reads are not looked at. What is not decoded costs one row a frame, what is some per cent of decoding.
+class PictureWatch : public FrameSource {
+ public:
+  explicit PictureWatch(FrameSource& source) : source_(source) { info_ = source.info(); }
+  using FrameSource::read;
+  void read(std::int64_t index, const Rect& window, Picture& picture) override {
+    const bool next = first_ < 0 || index == next_;
+    if (next) {
+      if (first_ < 0) first_ = index;
+      next_ = index + 1;
+      info_.decoded ? look_at_decoded(index) : look_at_rows(index);
+    }
+    const bool held = info_.decoded && index < next_ && index + std::ssize(kept_) >= next_ && index >= first_;
+    if (!held) return source_.read(index, window, picture);
+    prepare_window(info_, index, window, picture);
+    copy_window(kept(index), window, picture);
   }
-  std::ranges::sort(found.repeated);
-  const auto twice = std::ranges::unique(found.repeated);
-  found.repeated.erase(twice.begin(), twice.end());
-  for (std::int64_t& k : found.repeated) k += first_;
+  const CodedFrame* coded(std::int64_t index) const override { return source_.coded(index); }
+  RepeatedFrames found() const {
+    constexpr std::int64_t kMostPauses = 3;  // more are pictures that were stored as often each
+    RepeatedFrames found;
+    found.looked_at = std::ssize(step_);
+    if (info_.decoded)
+      found.repeated = repeats_in_motion(step_, over_, std::ldexp(kMotion, info_.bits - 8), kSmall);
+    const auto runs = equal_pictures(step_);
+    const auto is_long = [](const auto& run) { return run.second - run.first + 1 >= kStill; };
+    const bool paused = std::ranges::count_if(runs, is_long) <= kMostPauses;
+    const std::vector<std::int64_t> in_motion = found.repeated;
+    for (const auto& run : runs) {
+      if (paused && is_long(run) && !std::ranges::binary_search(in_motion, run.second))
+        found.still.emplace_back(first_ + run.first, first_ + run.second);
+      else if (!info_.coder)
+        for (std::int64_t k = run.first + 1; k <= run.second; ++k) found.repeated.push_back(k);
+    }
+    std::ranges::sort(found.repeated);
+    const auto twice = std::ranges::unique(found.repeated);
+    found.repeated.erase(twice.begin(), twice.end());
+    for (std::int64_t& k : found.repeated) k += first_;
 
-  constexpr double kWeaved = 0.1, kBeyondDoubt = 5;  // of 0.5; standard errors
-  constexpr std::size_t kFewest = 8;
-  if (weave_.size() < kFewest) return found;
-  const auto frames = static_cast<double>(weave_.size());
-  const double sum = std::accumulate(weave_.begin(), weave_.end(), 0.0);
-  double scatter = 0;
-  for (const double projection : weave_) scatter += std::pow(projection - sum / frames, 2);
-  found.weaved = std::abs(sum) > kWeaved * weave_square_ && std::abs(sum) > kBeyondDoubt * std::sqrt(scatter);
-  return found;
+    constexpr double kWeaved = 0.1, kBeyondDoubt = 5;  // of 0.5; standard errors
+    constexpr std::size_t kFewest = 8;
+    if (weave_.size() < kFewest) return found;
+    const auto frames = static_cast<double>(weave_.size());
+    const double sum = std::accumulate(weave_.begin(), weave_.end(), 0.0);
+    double scatter = 0;
+    for (const double projection : weave_) scatter += std::pow(projection - sum / frames, 2);
+    found.weaved =
+        std::abs(sum) > kWeaved * weave_square_ && std::abs(sum) > kBeyondDoubt * std::sqrt(scatter);
+    return found;
+  }
+
+ private:
+  void look_at_decoded(std::int64_t index) {
+    constexpr std::size_t kWeaves = 24;  // frames are enough
+    source_.read(index, bounds(), kept(index));
+    step_.push_back(index > first_ ? step_of(kept(index), kept(index - 1)) : NAN);
+    over_.push_back(NAN);
+    // Asked only where the step before this one may be that of a repeat.
+    const auto before = std::ssize(step_) - 2;
+    if (before >= 2) {
+      const auto earlier = step_.begin() + std::max<std::int64_t>(1, before - kStoredOften);
+      const float most = *std::max_element(earlier, step_.begin() + before);
+      const bool may_repeat =
+          before <= kStoredOften || step_[static_cast<std::size_t>(before)] < 0.75F * most;
+      over_[static_cast<std::size_t>(before)] = may_repeat ? step_of(kept(index), kept(index - 3)) : 0;
+    }
+    if (index < first_ + 2 || weave_.size() >= kWeaves) return;
+    const auto [projection, square] =
+        weave_of(kept(index - 2), kept(index - 1), kept(index), std::ldexp(kMovingPixel, info_.bits - 8));
+    if (square > 0) weave_.push_back(projection);
+    weave_square_ += square;
+  }
+  /// A camera's noise makes one row of two pictures differ already.
+  void look_at_rows(std::int64_t index) {
+    source_.read(index, {0, info_.height / 2, info_.width, 1}, kept(index));
+    bool same = index > first_ && equal(kept(index), kept(index - 1));
+    if (same) {
+      if (whole_index_ != index - 1) source_.read(index - 1, bounds(), whole_);
+      Picture whole;
+      source_.read(index, bounds(), whole);
+      same = equal(whole, whole_);
+      whole_ = std::move(whole);
+      whole_index_ = index;
+    }
+    step_.push_back(same ? 0 : 1);
+    over_.push_back(NAN);
+  }
+  Picture& kept(std::int64_t index) { return kept_[static_cast<std::size_t>(index) % kept_.size()]; }
+
+  FrameSource& source_;
+  std::int64_t first_ = -1, next_ = -1;  ///< indices of the first frame looked at, and of the next one
+  std::array<Picture, 4> kept_;
+  std::int64_t whole_index_ = -1;  ///< not decoded: of the whole picture in whole_
+  Picture whole_;
+  /// Of frame first_ + k: by how much it differs from the one before, and the one before from the one after
+  /// next: that is, two steps on. Grey levels, see step_of.
+  std::vector<float> step_, over_;
+  std::vector<double> weave_;  ///< of each frame, projection of rows' differences on motion
+  double weave_square_ = 0;
+};
+
+/// Frames of a source by their indices, rising; numbers and times are theirs.
+class SelectedFrames : public FrameSource {
+ public:
+  SelectedFrames(FrameSource& source, std::vector<std::int64_t> indices)
+      : source_(source), indices_(std::move(indices)) {
+    const SourceInfo& all = source.info();
+    info_ = all;
+    info_.frame_count = std::ssize(indices_);
+    info_.numbers.clear();
+    info_.exposures_s.clear();
+    info_.time_base.stamps_s.clear();
+    for (const std::int64_t index : indices_) {
+      info_.numbers.push_back(source.number(index));
+      info_.time_base.stamps_s.push_back(all.time_base.time_s(index));
+      if (!all.exposures_s.empty())
+        info_.exposures_s.push_back(all.exposures_s[static_cast<std::size_t>(index)]);
+    }
+  }
+  using FrameSource::read;
+  void read(std::int64_t index, const Rect& window, Picture& picture) override {
+    source_.read(indices_[static_cast<std::size_t>(index)], window, picture);
+  }
+  const CodedFrame* coded(std::int64_t index) const override {
+    return source_.coded(indices_[static_cast<std::size_t>(index)]);
+  }
+
+ private:
+  FrameSource& source_;
+  std::vector<std::int64_t> indices_;
+};
+
+/// What was left out as a repeat of the frame before, in its place.
+void add_repeats(const RepeatedFrames& repeats, const FrameSource& source, TrackResult& result) {
+  auto& points = result.track.points;
+  for (const std::int64_t index : repeats.repeated) {
+    TrackPoint& point = points.emplace_back();
+    point.frame = source.number(index);
+    point.time_s = source.time_s(index);
+    point.status = TrackStatus::repeat;
+  }
+  std::ranges::sort(points, {}, &TrackPoint::frame);
+  result.summary.repeats = std::ssize(repeats.repeated);
+  result.summary.frames += result.summary.repeats;
 }
+
+}  // namespace
 
 RepeatedFrames find_repeated_frames(FrameSource& source, std::int64_t max_frames) {
   PictureWatch watch(source);
@@ -240,40 +305,6 @@ std::vector<std::string> findings(const RepeatedFrames& repeats, const FrameSour
   if (repeats.weaved) out.push_back(fmt::format("the recording {}", kWeavedFields));
   return out;
 }
-
-SelectedFrames::SelectedFrames(FrameSource& source, std::vector<std::int64_t> indices)
-    : source_(source), indices_(std::move(indices)) {
-  const SourceInfo& all = source.info();
-  info_ = all;
-  info_.frame_count = std::ssize(indices_);
-  info_.numbers.clear();
-  info_.exposures_s.clear();
-  info_.time_base.stamps_s.clear();
-  for (const std::int64_t index : indices_) {
-    info_.numbers.push_back(source.number(index));
-    info_.time_base.stamps_s.push_back(all.time_base.time_s(index));
-    if (!all.exposures_s.empty())
-      info_.exposures_s.push_back(all.exposures_s[static_cast<std::size_t>(index)]);
-  }
-}
-
-namespace {
-
-/// What was left out as a repeat of the frame before, in its place.
-void add_repeats(const RepeatedFrames& repeats, const FrameSource& source, TrackResult& result) {
-  auto& points = result.track.points;
-  for (const std::int64_t index : repeats.repeated) {
-    TrackPoint& point = points.emplace_back();
-    point.frame = source.number(index);
-    point.time_s = source.time_s(index);
-    point.status = TrackStatus::repeat;
-  }
-  std::ranges::sort(points, {}, &TrackPoint::frame);
-  result.summary.repeats = std::ssize(repeats.repeated);
-  result.summary.frames += result.summary.repeats;
-}
-
-}  // namespace
 
 TrackResult track_each_picture_once(
     FrameSource& recording, const TrackOptions& options,

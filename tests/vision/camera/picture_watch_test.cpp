@@ -1,4 +1,4 @@
-#include "vision/camera/picture_watch.h"
+#include "vision/duplicate_frames.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
