@@ -12,10 +12,27 @@
 #include "model/equation/stick.h"
 #include "model/series/rest_series.h"
 #include "model/solver/piece.h"
-#include "model/solver/solver_input.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::model::internal {
+
+/// The input of one run.
+template <class T>
+struct SolverInput {
+  ScaledProblem<T> problem;
+  Edges<T> edges;
+  bool circling = false;  ///< a pulse already open at the start does not count
+  Pair<T> velocity;       ///< at the start
+  T start_shift{};        ///< derivatives of the start phase (value 0)
+  /// `velocity` lies on one motion whatever the start phase: it does not shift with it.
+  bool on_orbit = false;
+  double contraction = HUGE_VAL;  ///< per cycle of that motion
+  double cycles = 0, rest = 0;    ///< the run ends `rest` after so many whole cycles
+  double tolerance = 1e-16;
+  bool dense = false;  ///< keep the pieces
+  bool reuse = true;   ///< of repeating cycles
+  long max_steps = 0;
+};
 
 /// Of implicit steps, grows where they succeed.
 inline constexpr double kFirstSlowSpan = 0.5;
