@@ -26,20 +26,6 @@ inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 using Order = std::vector<FitParameter>;  // of FitResult::parameters: what stands by name in the file
 
-template <class Enum>
-std::vector<std::string> words_of();
-template <>
-inline std::vector<std::string> words_of<Verdict>() {
-  return {"identifiable", "weak", "not identifiable"};
-}
-template <>
-inline std::vector<std::string> words_of<Loss>() {
-  return {"squares", "huber"};
-}
-template <>
-inline std::vector<std::string> words_of<model::Start>() {
-  return {"rest", "circling", "steady"};
-}
 /// Of an enumeration from 0 to the last.
 template <class Enum>
 std::vector<std::string> names_to(Enum last) {
@@ -47,16 +33,22 @@ std::vector<std::string> names_to(Enum last) {
   for (int k = 0; k <= static_cast<int>(last); ++k) words.emplace_back(to_string(static_cast<Enum>(k)));
   return words;
 }
-template <>
-inline std::vector<std::string> words_of<Agreement>() {
+inline std::vector<std::string> words_of(Verdict) {
+  return {"identifiable", "weak", "not identifiable"};
+}
+inline std::vector<std::string> words_of(Loss) {
+  return {"squares", "huber"};
+}
+inline std::vector<std::string> words_of(model::Start) {
+  return {"rest", "circling", "steady"};
+}
+inline std::vector<std::string> words_of(Agreement) {
   return names_to(Agreement::unknown);
 }
-template <>
-inline std::vector<std::string> words_of<Use>() {
+inline std::vector<std::string> words_of(Use) {
   return names_to(Use::do_not_use);
 }
-template <>
-inline std::vector<std::string> words_of<FitParameter>() {
+inline std::vector<std::string> words_of(FitParameter) {
   return names_to(FitParameter::static_friction);
 }
 
@@ -108,7 +100,7 @@ class Writer {
   template <class T>
   Json written(T& value) const {
     if constexpr (std::is_enum_v<T>) {
-      return words_of<T>()[static_cast<std::size_t>(value)];
+      return words_of(T{})[static_cast<std::size_t>(value)];
     } else if constexpr (std::is_floating_point_v<T>) {
       return finite_json(value);
     } else if constexpr (requires(Writer & io) { fields(io, value); }) {
@@ -210,7 +202,7 @@ class Reader {
 
   template <class Enum>
   static std::optional<Enum> meant(const std::string& word) {
-    const std::vector<std::string> words = words_of<Enum>();
+    const std::vector<std::string> words = words_of(Enum{});
     const auto found = std::ranges::find(words, word);
     if (found == words.end()) return std::nullopt;
     return static_cast<Enum>(found - words.begin());
@@ -233,7 +225,7 @@ class Reader {
         return;
       }
       std::string list;
-      const std::vector<std::string> words = words_of<T>();
+      const std::vector<std::string> words = words_of(T{});
       for (std::size_t k = 0; k < words.size(); ++k)
         list += fmt::format("{}\"{}\"", k == 0 ? "" : k + 1 < words.size() ? ", " : " or ", words[k]);
       place.refuse(list);
