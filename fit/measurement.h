@@ -65,7 +65,8 @@ Displacement measure_displacement(const TrackTable& track, const Estimate& angul
 struct Harmonic {
   int order = 2;
   Estimate amplitude, amplitude_y;  ///< m
-  bool seen() const;                ///< above its noise in x or y
+  /// Above its noise in x or y.
+  bool seen() const { return amplitude.value > 4 * amplitude.sd || amplitude_y.value > 4 * amplitude_y.sd; }
 };
 
 /// The platform's motion by a sine fit to all frames of the marker, eq. (1): xi = A cos(wt), eta = A_y cos(wt

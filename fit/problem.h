@@ -17,6 +17,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
@@ -112,7 +113,7 @@ struct DiscSpin {
   double rate = 0;     ///< rad/s
   double bearing = 0;  ///< ln of the bearing face's radius over the part's; 0: the whole face bears
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (rate, bearing)
-  double rate_sd() const;
+  double rate_sd() const { return std::sqrt(covariance(0, 0)); }
   /// Between nearly a point and all of a disc, or the corners of a square: beyond them nothing bears, and a
   /// part of next to no inertia, which angles of no slide lead to, is followed in ever shorter steps.
   static constexpr double kLeastBearing = -3, kMostBearing = 0.35;
@@ -167,7 +168,7 @@ struct Problem {
   std::vector<std::pair<FitParameter, std::string>> exact;
   std::vector<SummaryRun> summary_runs;
   std::vector<TrajectoryRun> trajectory_runs;
-  bool fits(FitParameter parameter) const;
+  bool fits(FitParameter parameter) const { return std::ranges::count(free, parameter) > 0; }
   bool has_pulses() const;         ///< in a driven run
   bool has_driven_tracks() const;  ///< trajectory runs that are no free slides
   /// An explanation sets it free.

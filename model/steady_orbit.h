@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "model/alpha_v.h"
 #include "model/scenario.h"
 
 namespace tribotrack::model {
@@ -22,8 +23,8 @@ struct SteadyOrbit {
   double contraction =
       0;  ///< spectral radius of the one-cycle velocity map at the orbit, to 1e-4; 0 with stick
   int newton_iterations = 0;
-  double alpha() const;                                  ///< direction of the drift, rad in [0, 2 pi)
-  double mean_velocity(double angular_frequency) const;  ///< v = |drift| w / 2 pi, m/s
+  double alpha() const { return displacement_angle(drift); }  ///< direction of the drift, rad in [0, 2 pi)
+  double mean_velocity(double angular_frequency) const;       ///< v = |drift| w / 2 pi, m/s
 };
 
 /// Newton's method on the one-cycle map; a cycle where stick wipes the memory. From the platform phase

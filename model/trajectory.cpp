@@ -27,9 +27,6 @@ const Scenario& Trajectory::scenario() const {
 const IntegrationSummary& Trajectory::summary() const {
   return implementation_->summary;
 }
-double Trajectory::end_time() const {
-  return implementation_->scenario.end_time();
-}
 Sample Trajectory::at(double time) const {
   return implementation_->at(time);
 }
@@ -39,9 +36,6 @@ SensitiveSample Trajectory::sensitive_at(double time) const {
 void Trajectory::positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
                               Eigen::MatrixXd* jacobian) const {
   implementation_->positions_at(times, exposure, positions, jacobian);
-}
-Sample Trajectory::end() const {
-  return implementation_->at(end_time());
 }
 SensitiveSample Trajectory::sensitive_end() const {
   return implementation_->sensitive_end();

@@ -83,7 +83,7 @@ class Trajectory {
 
   const Scenario& scenario() const;
   const IntegrationSummary& summary() const;
-  double end_time() const;
+  double end_time() const { return scenario().end_time(); }
   Sample at(double time) const;  ///< dense output, 0 <= time <= end_time()
   SensitiveSample sensitive_at(
       double time) const;  ///< at a fixed time; needs IntegrationOptions::derivatives
@@ -93,7 +93,7 @@ class Trajectory {
   /// jump of x'' at most where it does); the Jacobian stays that of x, of which this share is (wT)^2/24.
   void positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
                     Eigen::MatrixXd* jacobian) const;
-  Sample end() const;
+  Sample end() const { return at(end_time()); }
   /// At the end. If the end is N whole cycles (Scenario::duration == 0) the end time moves with w and the
   /// column of angular_frequency holds that, too: dx/dw = s_x + u dT/dw.
   SensitiveSample sensitive_end() const;

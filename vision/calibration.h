@@ -18,6 +18,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -65,7 +66,7 @@ struct CameraCalibration {
   /// What is seen at a pixel and lies height_mm above the plane.
   PlanePoint locate(Point pixel, double height_mm = 0) const;
   /// From the camera's pupil to the plane, mm.
-  double distance_mm() const;
+  double distance_mm() const { return std::abs((plane.rotation.transpose() * plane.translation).z()); }
 };
 
 /// sqrt |det d(mm)/d(px)| in the middle of the picture.

@@ -45,7 +45,7 @@ struct Survey {
   std::vector<SurveyedLamp> lamps;  ///< brightest change first
 
   /// Null where no disc was found.
-  const SurveyedDisc* part() const;
+  const SurveyedDisc* part() const { return discs.empty() ? nullptr : &discs.front(); }
   /// The mark seen best; null where there is none.
   const SurveyedDisc* mark() const;
   /// Whether anything but the part moves with a platform: a mark does.

@@ -76,10 +76,6 @@ double widen(SineFit& fit, const MarkerSeries& marker) {
 
 }  // namespace
 
-bool Harmonic::seen() const {
-  return amplitude.value > 4 * amplitude.sd || amplitude_y.value > 4 * amplitude_y.sd;
-}
-
 bool PlatformMotion::frequency_drifts() const {
   return frequency_drift && std::abs(frequency_drift->value) > 4 * frequency_drift->sd;
 }

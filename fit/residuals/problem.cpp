@@ -1,6 +1,5 @@
 #include "fit/problem.h"
 
-#include <cmath>
 #include <numbers>
 #include <set>
 
@@ -103,14 +102,6 @@ const char* to_string(FitParameter parameter) {
                                     "mu2_speed",
                                     "static_friction"};
   return kNames[static_cast<std::size_t>(parameter)];
-}
-
-double DiscSpin::rate_sd() const {
-  return std::sqrt(covariance(0, 0));
-}
-
-bool Problem::fits(FitParameter parameter) const {
-  return std::ranges::count(free, parameter) > 0;
 }
 
 bool Problem::has_pulses() const {

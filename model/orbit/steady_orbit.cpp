@@ -3,7 +3,6 @@
 #include <cmath>
 #include <string>
 
-#include "model/alpha_v.h"
 #include "model/orbit/orbit.h"
 #include "model/solver/set_up.h"
 #include "model/trajectory.h"
@@ -239,9 +238,6 @@ std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_puls
   return orbit;
 }
 
-double SteadyOrbit::alpha() const {
-  return displacement_angle(drift);
-}
 double SteadyOrbit::mean_velocity(double angular_frequency) const {
   return drift.norm() * angular_frequency / internal::kTwoPi;
 }

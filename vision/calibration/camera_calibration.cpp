@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <stdexcept>
 #include <utility>
@@ -66,10 +65,6 @@ PlanePoint CameraCalibration::locate(Point pixel, double height_mm) const {
   }
   out.slope = by_direction * lens.slope(d).inverse();
   return out;
-}
-
-double CameraCalibration::distance_mm() const {
-  return std::abs((plane.rotation.transpose() * plane.translation).z());
 }
 
 double scale_in_the_middle(const CameraCalibration& c) {

@@ -184,10 +184,6 @@ void BadPixelSearch::look(const Picture& picture) {
   ++others_;
 }
 
-std::vector<Pixel> BadPixelSearch::found() const {
-  return others_ > 0 ? found_ : std::vector<Pixel>();
-}
-
 MendedSource::MendedSource(FrameSource& source, std::vector<Pixel> bad)
     : source_(source), bad_(std::move(bad)) {
   info_ = source.info();

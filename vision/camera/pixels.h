@@ -48,7 +48,7 @@ class BadPixelSearch {
   /// Nothing stands out, or no longer: no further pictures are needed.
   bool settled() const { return found_.empty(); }
   /// Empty before a second picture.
-  std::vector<Pixel> found() const;
+  std::vector<Pixel> found() const { return others_ > 0 ? found_ : std::vector<Pixel>(); }
 
  private:
   float least_;

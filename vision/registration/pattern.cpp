@@ -57,10 +57,6 @@ bool Pattern::overlaps(const Rect& bounds, const Point& at) const {
          at.x - half_x < bounds.x + bounds.width - 0.5 && at.y - half_y < bounds.y + bounds.height - 0.5;
 }
 
-double Pattern::reach() const {
-  return std::min(half().x, half().y);
-}
-
 Pattern disc_pattern(const Picture& first, const Circle& disc, double margin) {
   Pattern pattern;
   pattern.centre = {disc.x, disc.y};

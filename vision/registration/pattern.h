@@ -61,7 +61,7 @@ struct Pattern {
   Point half() const {  ///< of the shape's extent, px
     return radius > 0 ? Point{radius, radius} : Point{0.5 * window.width, 0.5 * window.height};
   }
-  double reach() const;  ///< radius, or half the shorter side
+  double reach() const { return std::min(half().x, half().y); }  ///< radius, or half the shorter side
 };
 
 /// Round mask about the circle, `margin` px beyond the disc's radius, for the rim carries nearly all

@@ -100,7 +100,7 @@ class RotationFollower {
   double information() const;
 
  private:
-  double predicted(std::int64_t frame) const;
+  double predicted(std::int64_t frame) const { return theta_ + rate_ * static_cast<double>(frame - frame_); }
   double climb(const Eigen::ArrayXcd& correlation, double theta) const;
   double best_angle(const Eigen::ArrayXcd& correlation, double near) const;
   double correlation_at(const RingSums& sums, double theta) const;

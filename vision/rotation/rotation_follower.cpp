@@ -122,10 +122,6 @@ double RotationFollower::information() const {
   return (ring_sums(weights_, mean_, mean_).of_mean * orders_.square()).sum();
 }
 
-double RotationFollower::predicted(std::int64_t frame) const {
-  return theta_ + rate_ * static_cast<double>(frame - frame_);
-}
-
 std::optional<Turn> RotationFollower::step(const Harmonics& seen, std::int64_t frame) {
   const RingSums sums = ring_sums(weights_, mean_, seen);
   const double expected = predicted(frame);

@@ -341,10 +341,6 @@ void assign_roles(std::vector<SurveyedDisc>& discs) {
 
 }  // namespace
 
-const SurveyedDisc* Survey::part() const {
-  return discs.empty() ? nullptr : &discs.front();
-}
-
 const SurveyedDisc* Survey::mark() const {
   const auto mark = std::ranges::find(discs, DiscRole::mark, &SurveyedDisc::role);
   return mark == discs.end() ? nullptr : &*mark;

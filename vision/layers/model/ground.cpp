@@ -32,10 +32,6 @@ GroundPicture::GroundPicture(const Rect& region)
       frames_beside_(region.width, region.height),
       variance_(region.width, region.height) {}
 
-void GroundPicture::forget() {
-  away_ = PlaceSums(region_);
-}
-
 void GroundPicture::add(const Picture& picture, int x, int y, const Point& displacement,
                         const Circle& hidden) {
   const Rect places = places_shown(region_, {x, y, picture.width(), picture.height()}, displacement, 0);

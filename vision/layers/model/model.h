@@ -75,7 +75,7 @@ class IlluminationSlope {
   LightPrior at(const Point& place) const;
 
  private:
-  Eigen::Vector3d terms(const Point& place) const;
+  Eigen::Vector3d terms(const Point& place) const { return {1, place.x - middle_.x, place.y - middle_.y}; }
 
   bool known_ = false;
   Point middle_;
@@ -101,7 +101,7 @@ class GroundPicture {
   void add(const Picture& picture, int x, int y, const Point& displacement, const Circle& hidden);
 
   /// Forgets the frames.
-  void forget();
+  void forget() { away_ = PlaceSums(region_); }
   /// Share of the region that was uncovered in enough frames; after finish().
   double known_share() const { return known_share_; }
 

@@ -261,10 +261,6 @@ PartPictures learn_pictures(const PartPictures& before, const GroundPicture& gro
   return out;
 }
 
-Eigen::Vector3d IlluminationSlope::terms(const Point& place) const {
-  return {1, place.x - middle_.x, place.y - middle_.y};
-}
-
 IlluminationSlope::IlluminationSlope(std::span<const MeasuredSlope> slopes) {
   const auto n = static_cast<double>(slopes.size());
   if (slopes.size() < 4) throw std::invalid_argument("IlluminationSlope: fewer than four slopes");
