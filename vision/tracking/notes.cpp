@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "vision/kernels/plane.h"
@@ -127,17 +128,7 @@ std::string TrackSummary::brief_report() const {
 }
 
 const char* to_string(TrackStatus status) {
-  switch (status) {
-    case TrackStatus::ok:
-      return "ok";
-    case TrackStatus::edge:
-      return "edge";
-    case TrackStatus::repeat:
-      return "repeat";
-    case TrackStatus::lost:
-      break;
-  }
-  return "lost";
+  return std::array{"ok", "lost", "edge", "repeat"}.at(static_cast<std::size_t>(status));
 }
 
 double TrackSummary::slow_sd() const {
