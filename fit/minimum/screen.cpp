@@ -50,17 +50,12 @@ Eigen::VectorXd box_point(const Unknowns& unknowns, const Eigen::VectorXd& guess
       if (unknowns.transform(i).positive()) point(i) = std::max(point(i), 0.1 * std::abs(guess(i)));
       continue;
     }
-    switch (parameter) {
-      case FitParameter::mu2:
-        point(i) = mu1 * (k % kNoEffect == 1 ? 1 : driven ? between(0.02, 0.8, u) : between(0.002, 1, u));
-        break;
-      case FitParameter::tilt_x:
-      case FitParameter::tilt_y:
-        point(i) = (2 * u - 1) * 0.005;
-        break;
-      default:
-        point(i) = guess(i) * (1 + 0.04 * (u - 0.5));
-    }
+    if (parameter == FitParameter::mu2)
+      point(i) = mu1 * (k % kNoEffect == 1 ? 1 : driven ? between(0.02, 0.8, u) : between(0.002, 1, u));
+    else if (parameter == FitParameter::tilt_x || parameter == FitParameter::tilt_y)
+      point(i) = (2 * u - 1) * 0.005;
+    else
+      point(i) = guess(i) * (1 + 0.04 * (u - 0.5));
   }
   return point;
 }

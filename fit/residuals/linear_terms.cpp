@@ -16,14 +16,7 @@ constexpr double kTolerance = 4e-6;
 
 /// A step far above the integration's error over which a displacement is still linear.
 double step_of(FitParameter law) {
-  switch (law) {
-    case FitParameter::viscous:
-      return 0.01;
-    case FitParameter::gate_edges:
-      return 0.001;
-    default:
-      return 0.002;
-  }
+  return law == FitParameter::viscous ? 0.01 : law == FitParameter::gate_edges ? 0.001 : 0.002;
 }
 
 model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values) {

@@ -19,41 +19,21 @@ class Transform {
   Transform(Kind kind, double unit) : kind_(kind), unit_(unit) {}
 
   double value(double z) const {
-    switch (kind_) {
-      case Kind::linear:
-        return unit_ * z;
-      case Kind::logarithm:
-        return std::exp(std::clamp(z, -60.0, 60.0));
-      case Kind::hyperbola:
-        // z + sqrt(z^2 + 1) without cancellation where z < 0.
-        return unit_ * (z > 0 ? z + std::hypot(z, 1.0) : 1 / (std::hypot(z, 1.0) - z));
-    }
-    return 0;
+    if (kind_ == Kind::linear) return unit_ * z;
+    if (kind_ == Kind::logarithm) return std::exp(std::clamp(z, -60.0, 60.0));
+    // z + sqrt(z^2 + 1) without cancellation where z < 0.
+    return unit_ * (z > 0 ? z + std::hypot(z, 1.0) : 1 / (std::hypot(z, 1.0) - z));
   }
   double z(double value) const {
-    switch (kind_) {
-      case Kind::linear:
-        return value / unit_;
-      case Kind::logarithm:
-        return std::log(std::max(value, 1e-26));
-      case Kind::hyperbola: {
-        const double ratio = std::max(value / unit_, 1e-6);
-        return 0.5 * (ratio - 1 / ratio);
-      }
-    }
-    return 0;
+    if (kind_ == Kind::linear) return value / unit_;
+    if (kind_ == Kind::logarithm) return std::log(std::max(value, 1e-26));
+    const double ratio = std::max(value / unit_, 1e-6);
+    return 0.5 * (ratio - 1 / ratio);
   }
   /// d value / dz
   double slope(double z) const {
-    switch (kind_) {
-      case Kind::linear:
-        return unit_;
-      case Kind::logarithm:
-        return value(z);
-      case Kind::hyperbola:
-        return value(z) / std::hypot(z, 1.0);
-    }
-    return 0;
+    if (kind_ == Kind::linear) return unit_;
+    return kind_ == Kind::logarithm ? value(z) : value(z) / std::hypot(z, 1.0);
   }
   bool positive() const { return kind_ != Kind::linear; }
 

@@ -158,20 +158,15 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
   const double mu1 = std::max(value_of(FitParameter::mu1, values), 1e-6);
   Eigen::VectorXd units(size());
   for (Eigen::Index i = 0; i < common(); ++i) {
-    switch (parameter(i)) {
-      case FitParameter::delay:
-        units(i) = 1 / frequency_;
-        break;
-      case FitParameter::tilt_x:
-      case FitParameter::tilt_y:
-        units(i) = mu1;
-        break;
-      case FitParameter::mu2:
-        units(i) = std::max(values(i), 0.05 * mu1);
-        break;
-      default:
-        units(i) = transform(i).positive() ? std::abs(values(i)) : 1;
-    }
+    const FitParameter unknown = parameter(i);
+    if (unknown == FitParameter::delay)
+      units(i) = 1 / frequency_;
+    else if (unknown == FitParameter::tilt_x || unknown == FitParameter::tilt_y)
+      units(i) = mu1;
+    else if (unknown == FitParameter::mu2)
+      units(i) = std::max(values(i), 0.05 * mu1);
+    else
+      units(i) = transform(i).positive() ? std::abs(values(i)) : 1;
   }
   double speed = 0;
   for (const NuisanceBlock& block : nuisances_) {

@@ -48,18 +48,10 @@ std::string source_name(FitParameter quantity) {
 
 /// An error to imagine in what was taken as exact, SI.
 double assumed_error(FitParameter quantity, double value) {
-  switch (quantity) {
-    case FitParameter::phase_shift:
-    case FitParameter::phase_reference:
-    case FitParameter::start_phase:
-      return 0.01;
-    case FitParameter::tilt_x:
-    case FitParameter::tilt_y:
-    case FitParameter::slope:
-      return 1e-3;
-    default:
-      return 0.01 * std::abs(value);
-  }
+  using enum FitParameter;
+  if (quantity == phase_shift || quantity == phase_reference || quantity == start_phase) return 0.01;
+  if (quantity == tilt_x || quantity == tilt_y || quantity == slope) return 1e-3;
+  return 0.01 * std::abs(value);
 }
 
 /// From one quantity with so large an error.
@@ -211,21 +203,11 @@ class Sources {
   }
 
   void add_nuisance(Nuisance kind, const Eigen::VectorXd& variance) {
-    switch (kind) {
-      case Nuisance::velocity:  // not known beforehand
-        break;
-      case Nuisance::phase:
-        add(kStartPhase, variance, "marker of each run");
-        break;
-      case Nuisance::own:
-        add(kOwn, variance, "lamp, trace, or marker of each run");
-        break;
-      case Nuisance::spin:
-        add(kSpin, variance, "angle seen in each slide");
-        break;
-      case Nuisance::deviation:
-        add(kSlides, variance, "slides one by one");
-    }
+    // A velocity is not known beforehand.
+    if (kind == Nuisance::phase) add(kStartPhase, variance, "marker of each run");
+    if (kind == Nuisance::own) add(kOwn, variance, "lamp, trace, or marker of each run");
+    if (kind == Nuisance::spin) add(kSpin, variance, "angle seen in each slide");
+    if (kind == Nuisance::deviation) add(kSlides, variance, "slides one by one");
   }
 
   void conditions_and_priors() {

@@ -224,20 +224,11 @@ class Judge {
 
 double range(const Unknowns& unknowns, FitParameter parameter, const Eigen::VectorXd& values) {
   const double mu1 = unknowns.value_of(FitParameter::mu1, values);
-  switch (parameter) {
-    case FitParameter::mu1:
-    case FitParameter::mu2:
-    case FitParameter::tilt_x:
-    case FitParameter::tilt_y:
-    case FitParameter::slope:
-      return mu1;
-    case FitParameter::lag:
-      return 1;
-    case FitParameter::delay:
-      return 1 / unknowns.reference_frequency();
-    default:
-      return unknowns.value_of(parameter, values);
-  }
+  if (parameter == FitParameter::lag) return 1;
+  if (parameter == FitParameter::delay) return 1 / unknowns.reference_frequency();
+  const bool of_friction = parameter == FitParameter::mu2 || parameter == FitParameter::tilt_x ||
+                           parameter == FitParameter::tilt_y || parameter == FitParameter::slope;
+  return of_friction ? mu1 : unknowns.value_of(parameter, values);
 }
 
 std::vector<bool> moved_by_flat_direction(const Uncertainty& uncertainty) {

@@ -269,16 +269,8 @@ const cv::Scalar kLamp(80, 80, 255);
 const cv::Scalar kOther(200, 200, 200);
 
 const cv::Scalar& colour_of(DiscRole role) {
-  switch (role) {
-    case DiscRole::part:
-    case DiscRole::like_part:
-      return kOutline;
-    case DiscRole::mark:
-      return kMarker;
-    case DiscRole::resting:
-      break;
-  }
-  return kOther;
+  if (role == DiscRole::part || role == DiscRole::like_part) return kOutline;
+  return role == DiscRole::mark ? kMarker : kOther;
 }
 
 }  // namespace
