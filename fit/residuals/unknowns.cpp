@@ -58,15 +58,6 @@ class Chain {
   AppliedScenario& applied_;
 };
 
-/// A part on a plane tilted by theta moves as one on a level platform that is pressed with g cos(theta) and
-/// pulled with g sin(theta) = g cos(theta) tan(theta) downhill.
-void lay_on_incline(double theta, const Eigen::Vector2d& downhill, AppliedScenario& applied) {
-  model::Drive& drive = applied.scenario.drive;
-  drive.gravity *= std::cos(theta);
-  drive.tilt_x = std::asin(std::tan(theta) * downhill.x());
-  drive.tilt_y = std::asin(std::tan(theta) * downhill.y());
-}
-
 }  // namespace
 
 Unknowns::Unknowns(const Problem& problem) : problem_(&problem), common_(problem.free) {
@@ -398,8 +389,13 @@ AppliedScenario Unknowns::apply_trajectory(const Eigen::VectorXd& values, std::s
 void Unknowns::apply_slope(const Eigen::VectorXd& values, const TrajectoryRun& slide, bool derivatives,
                            AppliedScenario& applied) const {
   const double theta = std::abs(slide.slope) + value_of(FitParameter::slope, values);
-  const double gravity = applied.scenario.drive.gravity;
-  lay_on_incline(theta, slide.downhill, applied);
+  model::Drive& drive = applied.scenario.drive;
+  const double gravity = drive.gravity;
+  // A part on a plane tilted by theta moves as one on a level platform that is pressed with g cos(theta) and
+  // pulled with g sin(theta) = g cos(theta) tan(theta) downhill.
+  drive.gravity *= std::cos(theta);
+  drive.tilt_x = std::asin(std::tan(theta) * slide.downhill.x());
+  drive.tilt_y = std::asin(std::tan(theta) * slide.downhill.y());
   if (!derivatives) return;
   // The plane's own slope stands for the platform's tilt.
   Chain chain(applied);
@@ -408,7 +404,6 @@ void Unknowns::apply_slope(const Eigen::VectorXd& values, const TrajectoryRun& s
   chain.scale(model::Parameter::tilt_y, 0);
   const auto unknown = find(FitParameter::slope);
   const double steeper = 1 / (std::cos(theta) * std::cos(theta));  // d tan(theta) / d theta
-  const model::Drive& drive = applied.scenario.drive;
   chain.add(model::Parameter::gravity, unknown, -gravity * std::sin(theta));
   chain.add(model::Parameter::tilt_x, unknown, steeper * slide.downhill.x() / std::cos(drive.tilt_x));
   chain.add(model::Parameter::tilt_y, unknown, steeper * slide.downhill.y() / std::cos(drive.tilt_y));
