@@ -15,11 +15,8 @@ std::string IntegrationSummary::brief_report() const {
   return text;
 }
 
-Trajectory::Trajectory(std::unique_ptr<Implementation> implementation)
+Trajectory::Trajectory(std::shared_ptr<const Implementation> implementation)
     : implementation_(std::move(implementation)) {}
-Trajectory::Trajectory(Trajectory&&) noexcept = default;
-Trajectory& Trajectory::operator=(Trajectory&&) noexcept = default;
-Trajectory::~Trajectory() = default;
 
 const Scenario& Trajectory::scenario() const {
   return implementation_->scenario;

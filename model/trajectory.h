@@ -77,10 +77,6 @@ struct IntegrationSummary {
 /// A solved run. Immutable, cheap to sample, safe to read from several threads.
 class Trajectory {
  public:
-  Trajectory(Trajectory&&) noexcept;
-  Trajectory& operator=(Trajectory&&) noexcept;
-  ~Trajectory();
-
   const Scenario& scenario() const;
   const IntegrationSummary& summary() const;
   double end_time() const { return scenario().end_time(); }
@@ -99,10 +95,10 @@ class Trajectory {
   SensitiveSample sensitive_end() const;
 
   struct Implementation;
-  explicit Trajectory(std::unique_ptr<Implementation> implementation);
+  explicit Trajectory(std::shared_ptr<const Implementation> implementation);
 
  private:
-  std::unique_ptr<Implementation> implementation_;
+  std::shared_ptr<const Implementation> implementation_;
 };
 
 /// The motion was not followed to its end within IntegrationOptions::max_steps.

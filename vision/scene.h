@@ -92,7 +92,6 @@ class SceneRenderer {
  public:
   /// Throws std::invalid_argument naming the key, see Scene::validate.
   explicit SceneRenderer(const Scene& scene);
-  ~SceneRenderer();
   const Scene& scene() const;
   /// `lamp_on_share`: fraction of the exposure during which the lamp was lit. Rounded to whole levels,
   /// clipped, noise drawn from seed and index alone: frames can be rendered in any order, on any thread.
@@ -104,7 +103,7 @@ class SceneRenderer {
 
  private:
   struct Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  std::shared_ptr<const Implementation> implementation_;
 };
 
 }  // namespace tribotrack::vision

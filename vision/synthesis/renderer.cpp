@@ -306,10 +306,8 @@ void SceneRenderer::Implementation::apply_light(double time_s, double exposure_s
 
 SceneRenderer::SceneRenderer(const Scene& scene) {
   scene.validate();
-  implementation_ = std::make_unique<Implementation>(scene);
+  implementation_ = std::make_shared<Implementation>(scene);
 }
-
-SceneRenderer::~SceneRenderer() = default;
 
 const Scene& SceneRenderer::scene() const {
   return implementation_->scene;
