@@ -1,5 +1,6 @@
 // The program: its commands, its help, and what ends it.
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <iostream>
 #include <string>
@@ -147,6 +148,10 @@ int run_program(int argc, const char* const* argv) {
 }  // namespace tribotrack::apps
 
 int main(int argc, char** argv) {
+  // Pictures come and go with every frame. By default each returns its memory to the system, whose pages are
+  // then cleared again for the next: a tenth of the time of tracking small ones.
+  ::mallopt(M_MMAP_THRESHOLD, 1 << 25);
+  ::mallopt(M_TRIM_THRESHOLD, 1 << 28);
   tribotrack::apps::occupy_standard_streams();
   tribotrack::apps::clean_up_on_signals();
   tribotrack::vision::keep_to_calling_thread();
