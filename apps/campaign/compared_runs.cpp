@@ -7,7 +7,6 @@
 
 #include "apps/program/errors.h"
 #include "apps/text/number_text.h"
-#include "fit/tools/statistics.h"
 
 namespace tribotrack::apps {
 
@@ -79,6 +78,12 @@ double common_of_rim(const Run& run) {
 constexpr double kOtherSize = 0.05;     ///< of the diameter: parts of one kind do not differ by so much
 constexpr double kSamePlatform = 0.03;  ///< of A, which the camera sees at its true scale
 
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// A part that is smaller than the others makes its recording's pixels, and with them the platform's
 /// amplitude, too large by one and the same factor. A camera that was moved leaves the amplitude as it is.
 void set_aside_other_parts(const Campaign& campaign, std::vector<Run>& runs) {
@@ -91,8 +96,7 @@ void set_aside_other_parts(const Campaign& campaign, std::vector<Run>& runs) {
       amplitudes.push_back(run.measurement->platform->amplitude.value);
     }
   if (seen.size() < 3) return;
-  using fit::internal::upper_median;
-  const double usual = upper_median(scales), amplitude = upper_median(amplitudes);
+  const double usual = median_of(scales), amplitude = median_of(amplitudes);
   for (std::size_t k = 0; k < seen.size(); ++k) {
     const double ratio = scales[k] / usual;
     if (std::abs(ratio - 1) < kOtherSize || std::abs(amplitudes[k] / amplitude / ratio - 1) > kSamePlatform)

@@ -12,7 +12,6 @@
 #include "apps/program/errors.h"
 #include "apps/text/csv_table.h"
 #include "fit/measurement.h"
-#include "fit/tools/statistics.h"
 
 namespace tribotrack::apps {
 
@@ -28,6 +27,13 @@ struct Clock {
   std::string from, warning;
 };
 
+/// The upper of two middle ones.
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// Frame numbers as the times count them, from 0.
 std::vector<std::int64_t> numbered_by(const std::vector<double>& time, double step) {
   std::vector<std::int64_t> numbers;
@@ -40,7 +46,7 @@ double interval_of(const std::filesystem::path& path, const std::vector<double>&
   constexpr double kMostFrames = 1e9;
   std::vector<double> steps;
   for (std::size_t k = 1; k < time.size(); ++k) steps.push_back(time[k] - time[k - 1]);
-  double step = fit::internal::upper_median(steps);
+  double step = median_of(steps);
   if (!(time.back() - time.front() < kMostFrames * step))
     throw InvalidInput("{}: its times are no times of frames: most are {:.3g} s apart, all of them {:.3g} s",
                        path.string(), step, time.back() - time.front());

@@ -14,7 +14,6 @@
 #include "apps/program/errors.h"
 #include "apps/report/data/curves.h"
 #include "fit/fit_result_json.h"
-#include "fit/tools/statistics.h"
 
 namespace tribotrack::apps {
 
@@ -145,7 +144,10 @@ void read_fit(const Json& json, ReportData& data) {
 /// The median; NaN where none is finite.
 double median_of_finite(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  return values.empty() ? no_value : fit::internal::upper_median(std::move(values));
+  if (values.empty()) return no_value;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 /// What the page would show and is not there, by its name in the folder.
