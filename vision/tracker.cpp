@@ -117,6 +117,7 @@ class Tracking {
   void find_first_frame();
   void follow();
   void measure_layers();
+  void prefer_first_pass(PassOutcome& layers);
   void measure_edge();
   bool take(PassOutcome pass, const char* from);
   void follow_rotation();
@@ -192,12 +193,31 @@ void Tracking::measure_layers() {
   first_track_ = result_.track;
   audited_ = first.audited;
   TrackSummary& summary = result_.summary;
-  summary.layered = take(layered_stage(frames(), first, options_, shown, clock_, result_.track), "pictures");
+  PassOutcome layers = layered_stage(frames(), first, options_, shown, clock_, result_.track);
+  if (recording_.info().coder && options_.layers == Layers::automatic) prefer_first_pass(layers);
+  summary.layered = take(std::move(layers), "pictures");
   if (summary.layered) return;
   if (options_.layers == Layers::on)
     summary.warnings.push_back("the second pass that was asked for (--layers on) is not used: " +
                                summary.plan.back().reason);
   add(summary.warnings, excess_warning(first.excess, summary.noise_levels));
+}
+
+/// A lossy codec lets the ground lag behind the part, or rest, where that saves bits. Layers that are learnt
+/// from such pictures have been seen to be off by a share of every displacement, beyond what they state; a
+/// template, which knows no ground, is not.
+void Tracking::prefer_first_pass(PassOutcome& layers) {
+  constexpr double kContradicts = 1.5;  // of two errors together: their own uncertainty is a tenth
+  const double differ = layers.stage.error_bound_px.value_or(0),
+               explained = std::hypot(predicted_error(first_track_, audited_),
+                                      predicted_error(result_.track, layers.audited));
+  if (!layers.stage.on || differ <= kContradicts * explained) return;
+  layers.stage.on = false;
+  layers.stage.reason = fmt::format(
+      "the recording is coded, and positions differ by {:.2g} px rms from those of the template, where the "
+      "errors of both explain {:.2g}",
+      differ, explained);
+  result_.track = first_track_;
 }
 
 /// What turns in the part, or glints, spoils its pictures, not its edge.
