@@ -72,6 +72,37 @@ TEST_F(CodedTrackTest, SlowMotionThroughH264) {
   EXPECT_LT(seen.rms / seen.sd, 1.5);
 }
 
+TEST_F(CodedTrackTest, WhatIsLearntFromGroundThatLagsIsNotBelieved) {
+  Scene scene;
+  scene.width = scene.height = 176;
+  scene.disc = {.radius_px = 30, .level = 170, .edge_blur_px = 0.8, .scratches = 12, .scratch_contrast = 12};
+  scene.platform = {.level = 70, .texture_rms = 6, .brush_angle_rad = 0.3};
+  const auto pose_of = [](int k) {
+    const double turn = 2 * std::numbers::pi * k / 25;
+    const Point platform{2.8 * std::cos(turn), 2.8 * std::sin(turn)};
+    return ScenePose{{90 - 0.02 * k + 0.8 * platform.x, 87 + 0.8 * platform.y}, 0, platform};
+  };
+  const SceneRenderer renderer(scene);
+  const auto writer = create_sink(
+      file("ground.mp4"),
+      {.width = scene.width, .height = scene.height, .frame_rate_hz = 30, .codec = Codec::h264, .crf = 23});
+  for (int k = 0; k < kFrames; ++k)
+    writer->write(renderer.render(k, k, 0, [&](double) { return pose_of(k); }));
+  writer->close();
+  const auto errors = [&](Layers layers) {
+    TrackOptions options;
+    options.target = {Target::Kind::disc, {92.2, 87, 30}, {}};
+    options.marker.kind = MarkerChoice::Kind::none;
+    options.layers = layers;
+    const auto source = open_source(file("ground.mp4"), {.frame_rate_hz = 1000});
+    return test::errors_of(track(*source, options).track,
+                           [&](std::int64_t k) { return pose_of(static_cast<int>(k)).disc; });
+  };
+  const test::TrackErrors by_template = errors(Layers::off), chosen = errors(Layers::automatic);
+  EXPECT_LT(chosen.rms, 1.1 * by_template.rms);
+  EXPECT_LT(chosen.rms / chosen.sd, 1.3);
+}
+
 TEST_F(CodedTrackTest, FramesByThemselvesComeNeitherLateNorSmall) {
   const auto source = open_source(coded("intra.avi", {.codec = Codec::mjpeg}), {.frame_rate_hz = 1000});
   const TrackResult result = track(*source, options());
