@@ -38,9 +38,8 @@ class DecodedSource : public FrameSource {
   void read(std::int64_t index, const Rect& window, Picture& picture) override;
   /// Decodes a frame; nothing where its levels are computed from what is stored. Valid until the next one.
   virtual std::optional<StoredFrame> stored(std::int64_t index) = 0;
-
- protected:
-  /// Levels of the frame that was decoded last.
+  /// Levels of the frame that was decoded last, for which stored() gave nothing; `picture` has the window's
+  /// size.
   virtual void compute(const Rect& window, Picture& picture) = 0;
 };
 

@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstddef>
@@ -120,7 +119,7 @@ void lower(__rlimit_resource resource, std::uint64_t most) {
 void confine_to_reading(int first_closed) {
   // What the terminal sends it sends to the parent, too; a parent that is gone is seen at the socket.
   ::signal(SIGINT, SIG_IGN);
-  for (const int fatal : {SIGTERM, SIGHUP, SIGPIPE, SIGXCPU, SIGALRM}) ::signal(fatal, SIG_DFL);
+  for (const int fatal : {SIGTERM, SIGHUP, SIGXCPU}) ::signal(fatal, SIG_DFL);
   const int nothing = ::open("/dev/null", O_RDWR);
   for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) ::dup2(nothing, stream);
   ::close_range(static_cast<unsigned>(first_closed), ~0U, 0);
@@ -136,9 +135,9 @@ void allow_cpu(std::uint64_t seconds) {
 }
 
 std::string end_in_words(int status) {
-  if (!WIFSIGNALED(status)) return "ended its decoder";
+  if (!WIFSIGNALED(status)) return "ends its decoder";
   if (WTERMSIG(status) == SIGXCPU) return "keeps its decoder busy without end";
-  if (WTERMSIG(status) == SIGKILL) return "lets its decoder wait without end, or take too much memory";
+  if (WTERMSIG(status) == SIGKILL) return "cannot be decoded in the time and the memory that there are";
   return fmt::format("crashes its decoder (signal {}, {})", WTERMSIG(status), ::strsignal(WTERMSIG(status)));
 }
 

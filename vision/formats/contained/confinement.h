@@ -6,9 +6,9 @@
 
 namespace tribotrack::vision {
 
-/// Of the calling process, for good: read-only files, memory beyond what it has up to 4 GB, no other process,
-/// no network (seccomp, where the kernel has it). Descriptors from `first_closed` on
-/// are closed, what is printed is lost.
+/// Confines the calling process for good: it may open files to read them and take up to 4 GB beyond what it
+/// has; it starts no process and reaches no network (seccomp, where the kernel has it). Descriptors from
+/// `first_closed` on are closed, what is printed is lost.
 void confine_to_reading(int first_closed);
 
 /// The process dies after this much CPU time from now on, unless this is called again.

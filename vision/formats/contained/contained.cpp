@@ -40,7 +40,7 @@ Answer put_frame(DecodedSource& source, std::int64_t index, const SharedFrames& 
     for (int y = 0; y < source.info().height; ++y, to += row)
       std::memcpy(to, stored->first + y * stored->stride, row);
   } else {
-    source.read(index, source.bounds(), picture);
+    source.compute(source.bounds(), picture);
     answer.bytes_per_level = sizeof(float);
     std::memcpy(to, picture.levels().data(), picture.levels().size_bytes());
   }
@@ -90,7 +90,7 @@ void answer_with(int socket, std::int64_t series, const Work& work) {
   });
   if (!source) ::_exit(0);
   std::optional<SharedFrames> frames;
-  Picture picture;
+  Picture picture(source->info().width, source->info().height);
   Order order;
   for (std::int64_t place = 0;;) {
     const std::int64_t index = order.from + place * order.step;
@@ -228,7 +228,7 @@ class ContainedSource : public FrameSource {
         whole = receive_bytes(decoder_.socket(), text.data(), text.size());
       }
       if (!whole)
-        refuse(info_.path, "{}; it is damaged, or was made to do so: export the recording again",
+        refuse(info_.path, "{}; it may be damaged: copy or export the recording again",
                end_in_words(decoder_.end()));
       if (answer.series != series) continue;
       switch (answer.outcome) {

@@ -22,7 +22,7 @@
 
 namespace tribotrack::vision {
 
-constexpr std::size_t kAhead = 4;  ///< frames in shared memory, the one in use among them
+inline constexpr std::size_t kAhead = 4;  ///< frames in shared memory, the one in use among them
 
 // The parent believes nothing that could lead it out of its own memory.
 
@@ -105,11 +105,14 @@ class Archive {
     std::memcpy(value, bytes_.data() + at_, size);
     at_ += size;
   }
+  template <class T>
+  static constexpr std::size_t kLeastBytes = std::is_trivially_copyable_v<T> ? sizeof(T) : 1;
   template <class Sequence>
   void sequence(Sequence& values) {
     std::uint64_t count = values.size();
     (*this)(count);
-    if (reading_ && count > bytes_.size()) throw InputError("the decoder's answer ends too early");
+    if (reading_ && count > (bytes_.size() - at_) / kLeastBytes<typename Sequence::value_type>)
+      throw InputError("the decoder's answer ends too early");
     values.resize(count);
     for (auto& value : values) (*this)(value);
   }

@@ -71,6 +71,7 @@ class LibavSource : public DecodedSource {
   const CodedFrame* coded(std::int64_t index) const override {
     return index == coded_index_ ? &coded_ : nullptr;
   }
+  void compute(const Rect& window, Picture& picture) override { compute_levels(*frame_, window, picture); }
 
  private:
   template <class... Values>
@@ -331,8 +332,6 @@ class LibavSource : public DecodedSource {
     const auto at = static_cast<std::size_t>(packet);
     return at < table_steps_.size() ? table_steps_[at] : 0;
   }
-
-  void compute(const Rect& window, Picture& picture) override { compute_levels(*frame_, window, picture); }
 
   /// Every other row of an interlaced frame was filmed half a frame later.
   void require_progressive() const {

@@ -35,6 +35,11 @@ class DecodedPictures : public DecodedSource {
     if (image.channels() > 1) return std::nullopt;
     return StoredFrame{image.ptr(), static_cast<std::ptrdiff_t>(image.step), image.elemSize()};
   }
+  void compute(const Rect& window, Picture& picture) override {
+    const auto copy = kept_.depth() == CV_8U ? luma_of_bgr : luma_of_bgr_16;
+    for (int y = 0; y < window.height; ++y)
+      copy(kept_.ptr(window.y + y) + static_cast<std::size_t>(window.x) * kept_.elemSize(), picture.row(y));
+  }
 
  protected:
   /// Decodes a frame without checks.
@@ -74,12 +79,6 @@ class DecodedPictures : public DecodedSource {
              kept_.cols, kept_.rows, bits, info_.width, info_.height, info_.bits);
     kept_index_ = index;
     return kept_;
-  }
-
-  void compute(const Rect& window, Picture& picture) override {
-    const auto copy = kept_.depth() == CV_8U ? luma_of_bgr : luma_of_bgr_16;
-    for (int y = 0; y < window.height; ++y)
-      copy(kept_.ptr(window.y + y) + static_cast<std::size_t>(window.x) * kept_.elemSize(), picture.row(y));
   }
 
   cv::Mat kept_;

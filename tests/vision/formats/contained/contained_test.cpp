@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "vision/formats/contained/confinement.h"
+#include "vision/formats/contained/messages.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -71,14 +72,14 @@ class KnownSource : public DecodedSource {
     return StoredFrame{bytes_of_frame_.data(), static_cast<std::ptrdiff_t>(kWidth * bytes_), bytes_};
   }
   const CodedFrame* coded(std::int64_t index) const override { return index == index_ ? &coded_ : nullptr; }
-
- private:
   void compute(const Rect& window, Picture& picture) override {
     for (int y = 0; y < window.height; ++y)
       for (int x = 0; x < window.width; ++x)
         picture.at(x, y) = level(index_, window.x + x, window.y + y) + 0.25F;
   }
+  void claim(std::vector<std::int64_t> numbers) { info_.numbers = std::move(numbers); }
 
+ private:
   std::size_t bytes_;
   std::function<void(std::int64_t)> at_frame_;
   std::vector<std::uint8_t> bytes_of_frame_;
@@ -166,6 +167,27 @@ TEST(ContainedSource, ACrashIsASentenceAboutItsRecording) {
       EXPECT_THAT(error.what(), HasSubstr("export the recording again"));
     }
   EXPECT_EQ(known(1)->read(6).at(0, 0), KnownSource::level(6, 0, 0));
+}
+
+TEST(ContainedSource, ListsOfAnotherLengthThanTheRecordingAreRefused) {
+  EXPECT_THROW(open_contained("known",
+                              [] {
+                                auto source = std::make_unique<KnownSource>(1);
+                                source->claim({5, 6, 8});
+                                return source;
+                              }),
+               InputError);
+}
+
+TEST(ContainedSource, WaitingForAnAnswerEnds) {
+  int ends[2];
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends), 0);
+  set_patience(ends[0], 1);
+  std::int64_t number = 0;
+  ASSERT_TRUE(send_bytes(ends[1], &number, sizeof number / 2));
+  EXPECT_FALSE(receive_bytes(ends[0], &number, sizeof number));
+  ::close(ends[0]);
+  ::close(ends[1]);
 }
 
 TEST(ContainedSource, PassesErrorsOn) {
