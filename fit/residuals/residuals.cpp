@@ -26,12 +26,23 @@ void add_platform(const model::Scenario& scenario, double time, double seen,
   for (std::size_t j = 0; j < wanted.size(); ++j) {
     const auto column = static_cast<Eigen::Index>(j);
     double &x = (*jacobian)(2 * k, column), &y = (*jacobian)(2 * k + 1, column);
-    const bool frequency = wanted[j] == model::Parameter::angular_frequency;
-    if (wanted[j] == model::Parameter::amplitude) x += seen * std::cos(phase);
-    if (wanted[j] == model::Parameter::amplitude_y) y += seen * std::cos(phase + drive.phase_shift);
-    if (frequency || wanted[j] == model::Parameter::start_phase) {
-      x += slope_x * (frequency ? time : 1);
-      y += slope_y * (frequency ? time : 1);
+    switch (wanted[j]) {
+      case model::Parameter::amplitude:
+        x += seen * std::cos(phase);
+        break;
+      case model::Parameter::amplitude_y:
+        y += seen * std::cos(phase + drive.phase_shift);
+        break;
+      case model::Parameter::angular_frequency:
+        x += slope_x * time;
+        y += slope_y * time;
+        break;
+      case model::Parameter::start_phase:
+        x += slope_x;
+        y += slope_y;
+        break;
+      default:
+        break;
     }
   }
 }
