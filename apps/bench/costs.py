@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """What commands cost against the size of their input: seconds, CPU seconds, memory. Prints the manual's page.
-Use: apps/bench/costs.py build/release/apps/tribotrack > apps/manual/costs.md      (some 5 minutes, on a machine that does nothing else)"""
+Use: apps/bench/costs.py build/release/apps/tribotrack > apps/manual/costs.md      (some 3 minutes, on a machine that does nothing else)"""
 import csv, math, os, pathlib, random, subprocess, sys, tempfile, time
 
 BINARY = os.path.abspath(sys.argv[1])
@@ -89,8 +89,8 @@ WHAT = [('`track`, frames of 320 x 320 px', of_frames('cine'), (250, 1000, 4000)
 
 print(f"""# Costs
 
-What commands take on {len(os.sched_getaffinity(0))} cores: seconds, seconds of CPU on all of them, memory. The exponents say how these
-grow with the size of the input, from the second size to the third: 1 is linear. `apps/bench/costs.py` makes this page.
+What commands take on {len(os.sched_getaffinity(0))} cores: seconds, seconds of CPU on all of them, memory of the largest process. The exponents say how
+these grow with the size of the input, from the second size to the third: 1 is linear. `apps/bench/costs.py` makes this page.
 
 | command, and what is counted | count | seconds | CPU seconds | MB | exponents |
 |---|---|---|---|---|---|""")
