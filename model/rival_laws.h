@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 
 #include "model/scenario.h"
 
@@ -23,14 +24,19 @@ struct RivalLaw {
   bool operator==(const RivalLaw&) const = default;
 };
 
-/// Displacement at the end of the run, m: a Rosenbrock method of order 4 (3), L-stable since a part that
-/// creeps is stiff, that stops and starts anew wherever mu has a kink, with sticking decided by the friction
-/// at rest. `tolerance` is of each step, relative to A and A w (the initial speed where the platform rests)
-/// and to the way and the speed. A general integrator without derivatives, some ten times slower than
+/// Displacements at the end of the run under one to eight laws, m, a column each: a Rosenbrock method of
+/// order 4 (3), L-stable since a part that creeps is stiff, that stops and starts anew wherever a mu has a
+/// kink, with sticking decided by the friction at rest. All take the same steps, so that most of their errors
+/// cancel in differences. `tolerance` is of each step, relative to A and A w (the initial speed where the
+/// platform rests) and to the way and the speed. A general integrator without derivatives, slower than
 /// integrate(). Throws InvalidParameter for a Stribeck strength of -1 and below, which makes friction
 /// negative at rest, for a rise longer than the pulse or the pause, for a start other than rest, and where
 /// too many steps are needed. Viscous friction of negative strength, which a fit may try, is taken as it
 /// stands, unless at the speed A w friction as a whole were negative: it would push the part.
+Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const RivalLaw> laws,
+                                     double tolerance = 1e-9);
+
+/// Under one law.
 Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance = 1e-9);
 
 }  // namespace tribotrack::model

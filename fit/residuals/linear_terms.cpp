@@ -11,8 +11,8 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-/// Differences of two motions: of the path.
-constexpr double kTolerance = 4e-6;
+/// Of motions that are subtracted from each other: their errors cancel for the most part.
+constexpr double kTolerance = 1.5e-5;
 
 /// A step far above the integration's error over which a displacement is still linear.
 double step_of(FitParameter law) {
@@ -36,24 +36,28 @@ void add_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Sum
               Eigen::Vector2d& by_laws, Eigen::Matrix2Xd& columns) {
   const AppliedScenario applied = unknowns.apply_summary(values, run, false);
   if (applied.scenario.start != model::Start::rest) return;  // other laws are integrated from rest
-  const auto moved = [&](const model::RivalLaw& law) -> Eigen::Vector2d {
-    return model::rival_displacement(applied.scenario, law, kTolerance) * applied.stretch / applied.scale;
-  };
   // Edges that take a negative time undo what positive ones add, so that chi^2 has no kink at 0.
   const auto edges = unknowns.find(FitParameter::gate_edges);
   const bool undone = edges && values(*edges) < 0;
   Eigen::VectorXd sharp = values, soft = values;
   if (undone) sharp(*edges) = 0, soft(*edges) = -values(*edges);
-  const Eigen::Vector2d without_edges = moved(law_at(unknowns, sharp)),
-                        with = undone ? moved(law_at(unknowns, soft)) : without_edges;
-  if (law_at(unknowns, soft) != model::RivalLaw{}) by_laws = 2 * without_edges - with - moved({});
+  std::vector<Eigen::Index> by;
+  std::vector<model::RivalLaw> laws{{}, law_at(unknowns, sharp), law_at(unknowns, soft)};
   for (const FitParameter law : kLaws) {
     const auto i = unknowns.find(law);
     if (!i) continue;
     Eigen::VectorXd beside = i == edges ? soft : sharp;
     beside(*i) += step_of(law);
-    columns.col(*i) = (moved(law_at(unknowns, beside)) - (i == edges ? with : without_edges)) / step_of(law);
+    by.push_back(*i);
+    laws.push_back(law_at(unknowns, beside));
   }
+  const Eigen::Matrix2Xd moved =
+      model::rival_displacements(applied.scenario, laws, kTolerance) * (applied.stretch / applied.scale);
+  const Eigen::Vector2d paper = moved.col(0), without_edges = moved.col(1), with = moved.col(2);
+  if (laws[2] != laws[0]) by_laws = 2 * without_edges - with - paper;
+  for (std::size_t k = 0; k < by.size(); ++k)
+    columns.col(by[k]) =
+        (moved.col(3 + k) - (by[k] == edges ? with : without_edges)) / step_of(unknowns.parameter(by[k]));
 }
 
 }  // namespace

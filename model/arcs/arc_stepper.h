@@ -130,7 +130,7 @@ ArcStepper<T>::ArcStepper(const ScaledDrive<T>& drive, double tolerance, bool ke
     : drive_(drive),
       tolerance_(tolerance),
       table_(GaussTable::of_pairs(tolerance >= kFewNodesTolerance && !keep ? 3 : 7)),
-      solver_(table_.pairs == 3 ? kernels().few : kernels().many),
+      solver_(table_.pairs == 3 ? kernels().arcs.few : kernels().arcs.many),
       growth_(std::pow(kLonger, keep ? 2 * table_.pairs : 4 * table_.pairs + 1)),
       shrinking_(1.0 / (keep ? 2 * table_.pairs : 4 * table_.pairs + 1)),
       first_arc_(std::fmin(

@@ -47,7 +47,7 @@ void use_instruction_set(InstructionSet set) {
   in_use() = set;
 }
 
-ArcSolvers kernels() {
+Kernels kernels() {
 #if defined(__x86_64__)
   if (instruction_set() == InstructionSet::avx512) return kernels_avx512();
   if (instruction_set() == InstructionSet::avx2) return kernels_avx2();

@@ -2,13 +2,19 @@
 #pragma once
 
 #include "model/arcs/arc.h"
+#include "model/rivals/rival_step.h"
 
 namespace tribotrack::model::internal {
 
-ArcSolvers kernels();  ///< in the instruction set in use (instruction_set.h)
+struct Kernels {
+  ArcSolvers arcs;
+  RivalStepper rival_step = nullptr;
+};
 
-ArcSolvers kernels_baseline();
-ArcSolvers kernels_avx2();
-ArcSolvers kernels_avx512();
+Kernels kernels();  ///< in the instruction set in use (instruction_set.h)
+
+Kernels kernels_baseline();
+Kernels kernels_avx2();
+Kernels kernels_avx512();
 
 }  // namespace tribotrack::model::internal

@@ -1,7 +1,8 @@
-// The kernels of arcs for processors with AVX2 and FMA.
+// The kernels for processors with AVX2 and FMA.
 #include "model/processor/kernels.h"
 
 #include "model/arcs/arc_kernel.h"
+#include "model/rivals/rival_step.h"
 
 namespace tribotrack::model::internal {
 
@@ -9,8 +10,8 @@ namespace {
 struct Here;  // makes every function of the kernels this file's own
 }
 
-ArcSolvers kernels_avx2() {
-  return {ArcKernel<Here, 4>::solve, ArcKernel<Here, 8>::solve};
+Kernels kernels_avx2() {
+  return {{ArcKernel<Here, 4>::solve, ArcKernel<Here, 8>::solve}, RivalStep<Here>::take};
 }
 
 }  // namespace tribotrack::model::internal
