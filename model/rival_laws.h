@@ -24,12 +24,14 @@ struct RivalLaw {
   bool operator==(const RivalLaw&) const = default;
 };
 
-/// Displacements at the end of the run under one to eight laws, m, a column each: a Rosenbrock method of
-/// order 4 (3), L-stable since a part that creeps is stiff, that stops and starts anew wherever a mu has a
-/// kink, with sticking decided by the friction at rest. All take the same steps, so that most of their errors
-/// cancel in differences. `tolerance` is of each step, relative to A and A w (the initial speed where the
-/// platform rests) and to the way and the speed. A general integrator without derivatives, slower than
-/// integrate(). Throws InvalidParameter for a Stribeck strength of -1 and below, which makes friction
+constexpr std::size_t kMostRivalLaws = 8;
+
+/// Displacements at the end of the run under one to kMostRivalLaws laws, m, a column each: a Rosenbrock
+/// method of order 4 (3), L-stable since a part that creeps is stiff, that stops and starts anew wherever a
+/// mu has a kink, with sticking decided by the friction at rest. All take the same steps, so that most of
+/// their errors cancel in differences. `tolerance` is of each step, relative to A and A w (the initial speed
+/// where the platform rests) and to the way and the speed. A general integrator without derivatives, slower
+/// than integrate(). Throws InvalidParameter for a Stribeck strength of -1 and below, which makes friction
 /// negative at rest, for a rise longer than the pulse or the pause, for a start other than rest, and where
 /// too many steps are needed. Viscous friction of negative strength, which a fit may try, is taken as it
 /// stands, unless at the speed A w friction as a whole were negative: it would push the part.

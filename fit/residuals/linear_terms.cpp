@@ -41,6 +41,7 @@ void add_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Sum
   const bool undone = edges && values(*edges) < 0;
   Eigen::VectorXd sharp = values, soft = values;
   if (undone) sharp(*edges) = 0, soft(*edges) = -values(*edges);
+  static_assert(3 + kLaws.size() <= model::kMostRivalLaws);
   std::vector<Eigen::Index> by;
   std::vector<model::RivalLaw> laws{{}, law_at(unknowns, sharp), law_at(unknowns, soft)};
   for (const FitParameter law : kLaws) {

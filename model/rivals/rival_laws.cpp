@@ -15,6 +15,8 @@ namespace {
 
 using namespace internal;
 
+static_assert(kMostRivalLaws == kRivalLanes);
+
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr long kMaxSteps = 2'000'000;
 constexpr double kMaxTurns = 1e5;
@@ -292,7 +294,7 @@ Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const R
     throw InvalidParameter("rival friction laws are integrated from rest or an initial velocity only");
   if (scenario.spin.rate != 0)
     throw InvalidParameter("rival friction laws are integrated for parts that do not spin");
-  if (laws.empty() || laws.size() > kRivalLanes)
+  if (laws.empty() || laws.size() > kMostRivalLaws)
     throw InvalidParameter("one to eight rival laws are integrated together");
   Integration integration(scenario, laws, tolerance);
   const RivalMotion& end = integration.end();
