@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "fit/residuals/end_point.h"
 #include "model/parallel.h"
@@ -17,6 +18,14 @@ constexpr double kTolerance = 1.5e-5;
 /// A step far above the integration's error over which a displacement is still linear.
 double step_of(FitParameter law) {
   return law == FitParameter::viscous ? 0.01 : law == FitParameter::gate_edges ? 0.001 : 0.002;
+}
+
+/// Where friction all but vanishes against a drive along a line, the motion takes steps without end: a search
+/// that has strayed there turns back. Ordinary motion takes 10 to 30 a turn.
+long most_steps(const model::Scenario& scenario) {
+  constexpr double kAnyway = 10'000, kATurn = 1000;
+  const double turns = scenario.end_time() * scenario.drive.angular_frequency / (2 * std::numbers::pi);
+  return std::min(std::lround(kAnyway + kATurn * turns), model::IntegrationOptions{}.max_steps);
 }
 
 model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values) {
@@ -88,7 +97,7 @@ ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen
     chain.conservativeResize(chain.rows() + 1, Eigen::NoChange);
     chain.bottomRows(1) = row;
   }
-  const EndPoint end = end_point(applied.scenario, wanted, tolerance);
+  const EndPoint end = end_point(applied.scenario, wanted, tolerance, most_steps(applied.scenario));
   // Dividing the model keeps the covariance, and with it the minimum, free of the scale.
   ModelledDisplacement result{end.position * applied.stretch / applied.scale, {}};
   if (by.empty()) return result;
