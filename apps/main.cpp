@@ -154,6 +154,6 @@ int main(int argc, char** argv) {
   ::mallopt(M_TRIM_THRESHOLD, 1 << 28);
   tribotrack::apps::occupy_standard_streams();
   tribotrack::apps::clean_up_on_signals();
-  tribotrack::vision::keep_to_calling_thread();
+  tribotrack::vision::set_up_process();
   return tribotrack::apps::run_program(argc, argv);
 }

@@ -197,8 +197,9 @@ std::uint64_t bytes_before_pictures(const std::filesystem::path& path);
 /// Whether the file's name is a pattern for one number, such as "dir/%05d.png"; the files need not exist.
 bool is_number_pattern(const std::filesystem::path& path);
 
-/// Keeps OpenCV's functions on the calling thread, for the whole process, so that the user's number of
-/// threads holds: recordings are processed in parallel. main() calls it.
-void keep_to_calling_thread();
+/// For the whole process: OpenCV's functions stay on the calling thread, so that the user's number of threads
+/// holds (recordings are processed in parallel), and decode no picture of a size beyond sense. main() calls
+/// it, before there is another thread.
+void set_up_process();
 
 }  // namespace tribotrack::vision

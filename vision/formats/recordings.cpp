@@ -20,6 +20,7 @@
 #include "vision/frame_source.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
+#include "vision/io/picture_files.h"
 #include "vision/kernels/plane.h"
 #include "vision/libraries.h"
 
@@ -103,8 +104,9 @@ bool is_number_pattern(const fs::path& path) {
   }
 }
 
-void keep_to_calling_thread() {
+void set_up_process() {
   cv::setNumThreads(1);
+  limit_picture_library();
 }
 
 namespace {

@@ -9,11 +9,9 @@
 
 namespace tribotrack::vision {
 
-// What a picture file says of its size, before anything decodes it.
-
-/// Reads the head of a PNG, TIFF (all pages), BMP, JPEG or PGM. Throws InputError where the size is beyond
-/// vision/io/files.h, or more than so few bytes can hold however they are packed, and for files of any
-/// other kind: OpenCV would choose among a dozen decoders by the file's own first bytes, whatever its name.
+/// Throws InputError for a file that is neither PNG, TIFF, BMP, JPEG nor PGM: OpenCV would choose among a
+/// dozen decoders by the file's own first bytes, whatever its name; and for a TIFF one of whose pages, or of
+/// the tiles they are made of, is beyond vision/io/files.h, or more than so few bytes can hold.
 void require_decodable_picture(const std::filesystem::path& file);
 
 // How many pages a TIFF has, and how large they are.
@@ -23,6 +21,10 @@ void require_decodable_picture(const std::filesystem::path& file);
 std::int64_t count_tiff_pages(const std::filesystem::path& path);
 
 // Reading and writing picture files by OpenCV. All throw InputError where its library is not installed.
+
+/// Pictures of more than kMostPixels (vision/io/files.h) are then not decoded, by an environment variable of
+/// OpenCV's: before that library is loaded, and while there is one thread.
+void limit_picture_library();
 
 /// Loads that library, which the functions below otherwise do when one of them is first called. A process
 /// that is forked while another thread loads one cannot.

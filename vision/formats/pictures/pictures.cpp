@@ -19,8 +19,11 @@ namespace fs = std::filesystem;
 
 void require_supported(const cv::Mat& image, const std::string& name) {
   if (image.empty())
-    throw InputError("'" + name +
-                     "' cannot be decoded as a picture: it is damaged, cut short or of another kind");
+    throw InputError(
+        "'" + name +
+        "' cannot be decoded as a picture: it is damaged, cut short, of another kind or larger than " +
+        std::to_string(kMostPixels) + " pixels; copy or export it again, or crop it");
+  require_sensible_size(name, image.cols, image.rows);
   if (image.depth() != CV_8U && image.depth() != CV_16U)
     refuse(name, "holds floating-point or signed levels; convert it to 8 or 16 bits");
   if (image.channels() != 1 && image.channels() != 3 && image.channels() != 4)
