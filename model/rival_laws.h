@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <span>
 
 #include "model/scenario.h"
@@ -24,6 +25,7 @@ struct RivalLaw {
   bool operator==(const RivalLaw&) const = default;
 };
 
+/// That are integrated together: the lanes of a vector register.
 constexpr std::size_t kMostRivalLaws = 8;
 
 /// Displacements at the end of the run under one to kMostRivalLaws laws, m, a column each: a Rosenbrock

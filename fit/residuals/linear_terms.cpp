@@ -20,12 +20,13 @@ double step_of(FitParameter law) {
   return law == FitParameter::viscous ? 0.01 : law == FitParameter::gate_edges ? 0.001 : 0.002;
 }
 
-/// Where friction all but vanishes against a drive along a line, the motion takes steps without end: a search
-/// that has strayed there turns back. Ordinary motion takes 10 to 30 a turn.
-long most_steps(const model::Scenario& scenario) {
+/// A search that strays beyond all sense (w of 1e26 rad/s) would integrate without end: there is no motion
+/// then. Ordinary motion takes 5 to 10 steps a turn, along a line up to 112.
+long most_steps(const Unknowns& unknowns, const model::Scenario& scenario) {
   constexpr double kAnyway = 10'000, kATurn = 1000;
-  const double turns = scenario.end_time() * scenario.drive.angular_frequency / (2 * std::numbers::pi);
-  return std::min(std::lround(kAnyway + kATurn * turns), model::IntegrationOptions{}.max_steps);
+  const double turns = scenario.end_time() * unknowns.reference_frequency() / (2 * std::numbers::pi);
+  const auto most = static_cast<double>(model::IntegrationOptions{}.max_steps);
+  return std::lround(std::min(kAnyway + kATurn * turns, most));
 }
 
 model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values) {
@@ -97,7 +98,7 @@ ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen
     chain.conservativeResize(chain.rows() + 1, Eigen::NoChange);
     chain.bottomRows(1) = row;
   }
-  const EndPoint end = end_point(applied.scenario, wanted, tolerance, most_steps(applied.scenario));
+  const EndPoint end = end_point(applied.scenario, wanted, tolerance, most_steps(unknowns, applied.scenario));
   // Dividing the model keeps the covariance, and with it the minimum, free of the scale.
   ModelledDisplacement result{end.position * applied.stretch / applied.scale, {}};
   if (by.empty()) return result;

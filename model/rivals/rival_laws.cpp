@@ -194,7 +194,10 @@ class Integration {
       double until = station;
       bool all_rest = true;
       for (int lane = 0; lane < kRivalLanes; ++lane) {
-        if (rests(lane) && released_[lane] <= t_) in_.moving.lane[lane] = 1, h_ = std::min(h_, first_step_);
+        if (rests(lane) && released_[lane] <= t_) {
+          in_.moving.lane[lane] = 1;
+          h_ = std::min(h_, first_step_);  // from rest the direction jumps, whatever the others do
+        }
         all_rest &= rests(lane);
         if (rests(lane)) until = std::min(until, released_[lane]);
       }
@@ -274,7 +277,7 @@ class Integration {
     }
   }
 
-  static constexpr int kScans = 720;  ///< a turn
+  static constexpr int kScans = 720;  ///< a turn: looks at whether the drive exceeds friction
   Equation f_;
   RivalStepper step_;
   RivalStepInput in_;

@@ -34,7 +34,7 @@ struct RivalStepInput {
   RivalMotion from;
   RivalRow moving;  ///< 0: this lane rests, and stays where it is
   RivalFriction friction;
-  RivalDrive drive[5];  ///< at RivalTimes::kTimes of the step
+  RivalDrive drive[5];  ///< at Rodas::kTimes of the step
   double h = 0;         ///< s
   double tolerance = 0, least_position = 0, least_speed = 0;
 };
