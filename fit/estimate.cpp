@@ -42,15 +42,6 @@ constexpr int kStartsNearby = 4;
 /// Scatter beyond this share of what was measured leaves no result.
 constexpr double kScatterShare = 0.1;
 
-/// Median over the runs with pulses.
-double typical_displacement(const Problem& problem) {
-  std::vector<double> lengths;
-  for (const SummaryRun& run : problem.summary_runs) lengths.push_back(run.measured.vector.norm());
-  for (const TrajectoryRun& run : problem.trajectory_runs)
-    lengths.push_back((run.track.position.back() - run.track.position.front()).norm());
-  return upper_median(lengths);
-}
-
 bool lag_taken_as_zero(const Problem& problem) {
   const auto known = [&](FitParameter parameter) {
     return problem.fixed.count(parameter) > 0 || problem.fits(parameter);
@@ -361,7 +352,7 @@ FitResult Estimation::report() {
     for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
   }
   result.identifiability = identifiability(unknowns_, values_, uncertainty_, result.parameters);
-  result.scatter_dominates = rejected() && result.scatter > kScatterShare * typical_displacement(problem_);
+  result.scatter_dominates = rejected() && result.scatter > kScatterShare * problem_.typical_displacement();
   if (result.scatter_dominates)
     result.warnings.push_back(
         "The runs scatter about the model by " + number(1e3 * result.scatter, 2) +

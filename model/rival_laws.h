@@ -15,13 +15,15 @@ namespace tribotrack::model {
 ///   m(t, |u|) = mu(t, |u|) g (1 + stribeck exp(-(|u|/v_s)^2)) + viscous |u|,
 /// v_s = A w/4 (a quarter of the initial speed where the platform rests),
 /// where mu2 is mu2 (1 + mu2_speed |u|/(A w)) and each change of mu between mu1 and mu2 is a ramp. A part at
-/// rest is held up to (1 + static_friction) m(t, 0). All 0: the paper's law.
+/// rest is held up to (1 + static_friction) m(t, 0). mu1 and mu2 themselves may be higher, so that laws
+/// beside each other tell the derivatives by them. All 0: the paper's law.
 struct RivalLaw {
   double stribeck = 0;         ///< friction at rest is higher by this share; above -1
   double viscous = 0;          ///< 1/s
   double rise = 0;             ///< s, of each change of mu; its middle lies at the edge; >= 0
   double mu2_speed = 0;        ///< share by which mu2 is higher at the platform's speed
   double static_friction = 0;  ///< share by which friction at rest holds more than it takes from motion
+  double mu1 = 0, mu2 = 0;     ///< shares by which they are higher
   bool operator==(const RivalLaw&) const = default;
 };
 

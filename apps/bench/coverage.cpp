@@ -6,10 +6,10 @@
 #include <cmath>
 #include <mutex>
 #include <numbers>
-#include <random>
 #include <string>
 #include <utility>
 
+#include "apps/bench/dice.h"
 #include "apps/bench/peers.h"
 #include "fit/estimate.h"
 #include "model/parallel.h"
@@ -27,28 +27,6 @@ constexpr double kFine = 1e-9;        ///< of the integrator, relative to A and 
 constexpr long kMostSteps = 100'000;  ///< a run takes some thousand where the integrator does not hang
 constexpr double kTiltSd = pi / 1800;
 constexpr double kFrameRate = 240;  ///< of slides, Hz
-
-/// The generator of one campaign.
-class Dice {
- public:
-  Dice(std::uint64_t seed, std::uint32_t what, int index) {
-    std::seed_seq mixed{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), what,
-                        static_cast<std::uint32_t>(index)};
-    random_.seed(mixed);
-  }
-  double uniform(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random_);
-  }
-  double normal() { return normal_(random_); }
-  Eigen::Vector2d normal_pair() {
-    const double x = normal();
-    return {x, normal()};
-  }
-
- private:
-  std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
-};
 
 /// The peer's integrator did not come to an end.
 struct PeerHangs {};

@@ -129,6 +129,31 @@ Circumstances circumstances_here() {
                            : "unknown"}};
 }
 
+namespace {
+
+void add_laboratory(const std::vector<LaboratoryRow>& rows, std::vector<SummaryLine>& lines) {
+  LaboratoryRow all, single;  // single: one fault, which a fit can name
+  for (const LaboratoryRow& row : rows) {
+    all.use += row.use;
+    all.intervals += row.intervals;
+    all.held += row.held;
+    all.wrong += row.wrong;
+    if (row.fault == kFaults[0] || row.fault == kFaults[1]) continue;
+    single.rejected += row.rejected;
+    single.named += row.named;
+  }
+  const auto add = [&](const char* what, int part, int whole, const char* wanted) {
+    if (whole > 0)
+      lines.push_back({std::string("laboratories that are not the model: ") + what,
+                       fmt::format("{:.1f} % of {}", 100.0 * part / whole, whole), wanted, "-"});
+  };
+  add("intervals that hold", all.held, all.intervals, "90 to 97 % is right");
+  add("\"use\" over a value far outside its interval", all.wrong, all.use, "3 % at most");
+  add("rejected ones whose fault is named", single.named, single.rejected, "85 % at least");
+}
+
+}  // namespace
+
 std::vector<SummaryLine> summary_of(const BenchResults& results) {
   std::vector<SummaryLine> lines;
   for (const Comparison& comparison : results.comparisons)
@@ -148,6 +173,7 @@ std::vector<SummaryLine> summary_of(const BenchResults& results) {
         {"95 % intervals that hold the truth",
          fmt::format("{:.1f} % of {}", 100 * double(covered) / double(usable), usable), "95 % is right",
          fmt::format("of {} kinds {} lie beyond chance (1 in 20 would)", results.coverage.size(), off)});
+  add_laboratory(results.laboratory, lines);
   return lines;
 }
 
@@ -157,6 +183,7 @@ std::vector<Table> tables_of(const BenchResults& results) {
   if (!results.extremes.empty()) tables.push_back(table_of(results.extremes));
   if (!results.omissions.empty()) tables.push_back(table_of(results.omissions));
   if (!results.coverage.empty()) tables.push_back(table_of(results.coverage));
+  if (!results.laboratory.empty()) tables.push_back(table_of(results.laboratory));
   return tables;
 }
 
@@ -199,6 +226,12 @@ std::string page_of(const BenchResults& results, const Circumstances& circumstan
          paragraph("Do 95 % intervals hold the truth in 95 % of simulated campaigns? Counted are those whose "
                    "fit calls itself usable, with the binomial 95 % range (Clopper and Pearson).") +
              table_of(results.coverage).html()});
+  if (!results.laboratory.empty())
+    page.sections.push_back(
+        {"laboratory", "Laboratories that are not the model",
+         paragraph("Campaigns of a platform and a friction that depart from the model, simulated by another "
+                   "integrator and fitted as a table of which nobody says how well anything is known.") +
+             table_of(results.laboratory).html()});
   std::string html = "<div class=\"wide\"><table id=\"bench_circumstances\" class=\"compact\"><tbody>\n";
   for (const auto& [name, value] : circumstances)
     html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, apps::escape_html(value));
@@ -219,6 +252,7 @@ apps::Json json_of(const BenchResults& results, const Circumstances& circumstanc
   }
   if (!results.omissions.empty()) json["results"]["model"]["omissions"] = results.omissions.size();
   if (!results.coverage.empty()) json["results"]["fit"]["coverage"] = results.coverage.size();
+  if (!results.laboratory.empty()) json["results"]["fit"]["laboratory"] = results.laboratory.size();
   return json;
 }
 

@@ -9,6 +9,7 @@
 
 #include "apps/bench/comparison.h"
 #include "apps/bench/coverage.h"
+#include "apps/bench/laboratory.h"
 #include "apps/bench/model.h"
 #include "apps/figures/figure.h"
 #include "apps/text/json.h"
@@ -23,6 +24,7 @@ struct BenchResults {
   std::vector<ExtremeRow> extremes;
   std::vector<OmissionRow> omissions;
   std::vector<CoverageRow> coverage;
+  std::vector<LaboratoryRow> laboratory;
 };
 
 struct Cell {
@@ -66,6 +68,7 @@ Table table_of(const Comparison& comparison);
 Table table_of(const std::vector<ExtremeRow>& rows);
 Table table_of(const std::vector<OmissionRow>& rows);
 Table table_of(const std::vector<CoverageRow>& rows);
+Table table_of(const std::vector<LaboratoryRow>& rows);
 Table table_of(const std::vector<SummaryLine>& lines);
 
 /// What the figures depend on, by the keys of bench.json: program, cpu, compiler, compiler_flags, clock,
@@ -73,7 +76,7 @@ Table table_of(const std::vector<SummaryLine>& lines);
 using Circumstances = std::vector<std::pair<std::string, std::string>>;
 Circumstances circumstances_here();
 
-/// The lines of the table on top: comparisons, extremes, coverage.
+/// The lines of the table on top: comparisons, extremes, coverage, the laboratory.
 std::vector<SummaryLine> summary_of(const BenchResults& results);
 
 /// In the order in which they are printed, without the summary.

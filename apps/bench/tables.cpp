@@ -172,6 +172,25 @@ Table table_of(const std::vector<CoverageRow>& rows) {
            {"covered_high", "to (95 %)", [](const Row& r) { return percent(r.share_ci95().high); }}}};
 }
 
+Table table_of(const std::vector<LaboratoryRow>& rows) {
+  using Row = LaboratoryRow;
+  const auto count = [](int Row::*of) { return [of](const Row& r) { return number(r.*of, "{}"); }; };
+  return {"bench_fit_laboratory",
+          "Laboratories that are not the model",
+          rows,
+          {{"fault", "what is not said", [](const Row& r) { return word(r.fault); }},
+           {"alpha_sd_rad", "sd of alpha, rad", [](const Row& r) { return number(r.errors.alpha); }},
+           {"v_sd", "of v", [](const Row& r) { return percent(r.errors.v); }},
+           {"campaigns", "campaigns", count(&Row::campaigns)},
+           {"use", "use", count(&Row::use)},
+           {"care", "care", count(&Row::care)},
+           {"intervals", "intervals", count(&Row::intervals)},
+           {"held", "that hold", count(&Row::held)},
+           {"wrong", "use, but far out", count(&Row::wrong)},
+           {"rejected", "rejected", count(&Row::rejected)},
+           {"named", "fault named", count(&Row::named)}}};
+}
+
 Table table_of(const std::vector<SummaryLine>& lines) {
   using Row = SummaryLine;
   return {"bench_summary",

@@ -62,6 +62,15 @@ void bench_of_coverage(const BenchOptions& asked, const Context& context, bench:
   results.coverage = measured("bench coverage", options, context, bench::coverage);
 }
 
+void bench_of_laboratory(const BenchOptions& asked, const Context& context, bench::BenchResults& results) {
+  bench::LaboratoryOptions options;
+  options.quick = asked.quick;
+  if (asked.quick) options.campaigns = 1;
+  if (asked.campaigns) options.campaigns = std::max(1, *asked.campaigns / 20);
+  options.threads = threads_to_use(context);
+  results.laboratory = measured("bench laboratory", options, context, bench::laboratory);
+}
+
 void write_results(const BenchOptions& asked, const Context& context, const bench::BenchResults& results,
                    const bench::Circumstances& here) {
   const fs::path folder = asked.output;
@@ -101,6 +110,7 @@ void run_bench(const BenchOptions& asked, const Context& context) {
     results.comparisons.push_back(measured("bench fit", options, context, bench::bench_fit));
   }
   if (wanted("fit") || wanted("coverage")) bench_of_coverage(asked, context, results);
+  if (wanted("fit") || wanted("laboratory")) bench_of_laboratory(asked, context, results);
   write_results(asked, context, results, here);
 }
 
@@ -123,27 +133,28 @@ void add_bench(CLI::App& app, Context& context) {
           "WHAT", options->what,
           "model: integrators, the table of extremes, what omissions save (a minute); vision: trackers on "
           "rendered recordings, beside the physical limit, and whole commands (half an hour); fit: ours "
-          "beside descents with differences, and coverage (some minutes, on all cores); coverage: how often "
-          "the intervals of simulated campaigns of ten designs hold; all")
+          "beside descents with differences, coverage and laboratory (half an hour, on all cores); coverage: "
+          "how often the intervals of simulated campaigns of ten designs hold; laboratory: what a fit says "
+          "where platform and friction are not the model; all")
       ->check([](const std::string& what) {
         return what == "scale" ? "`bench scale` is no longer there: time commands on inputs of your own"
                : what == "commands"
                    ? "`bench commands` is no longer there: `bench vision` times whole commands"
                    : "";
       })
-      ->check(one_of({"model", "vision", "fit", "coverage", "all"}))
+      ->check(one_of({"model", "vision", "fit", "coverage", "laboratory", "all"}))
       ->required();
   add_option(command, "-o,--output", options->output, "DIR",
              "Folder for bench_model.csv, bench_model_extremes.csv, bench_model_plan.csv, bench_vision.csv, "
-             "bench_fit.csv, bench_fit_coverage.csv, bench.html (all of it on one page, who wins where on "
+             "bench_fit.csv, bench_fit_coverage.csv, bench_fit_laboratory.csv, bench.html (all of it on one "
+             "page, who wins where on "
              "top, with figures of error against run time) and bench.json (CPU, compiler flags, how the "
              "references were made, solvers this build lacks)")
       ->required();
   command
-      .add_option(
-          "--campaigns", options->campaigns,
-          "fit, coverage: simulated campaigns of each design and noise level (default 200): 2000 tell a "
-          "coverage to 1 %")
+      .add_option("--campaigns", options->campaigns,
+                  "coverage: simulated campaigns of each design and noise level (default 200): 2000 tell a "
+                  "coverage to 1 %; laboratory: a twentieth, of each fault")
       ->check(whole_number(1, 1'000'000));
   command.add_flag("--quick", options->quick,
                    "Few and short cases, seconds in all: a check that it works, not a measurement");

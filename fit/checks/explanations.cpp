@@ -167,9 +167,10 @@ class ScoreTests {
     return std::pair(found, *scatter);
   }
 
-  /// The fit in another problem of the same runs, from here. Where it ends, for this one's unknowns; empty
-  /// where it fails.
-  Eigen::VectorXd refit(const Problem& problem, const Candidate* candidate, Explanation& found) const {
+  /// The fit in another problem of the same runs, from here or homed in. Where it ends, for this one's
+  /// unknowns; empty where it fails.
+  Eigen::VectorXd refit(const Problem& problem, const Candidate* candidate, bool home_in,
+                        Explanation& found) const {
     constexpr int kMostSteps = 12;
     constexpr double kShare = 1e-5;  ///< of chi^2 that rejects the fit: what is left of it at a kink
     const Unknowns unknowns(problem);
@@ -177,9 +178,10 @@ class ScoreTests {
     Residuals residuals = of(unknowns, start);
     residuals.set_own_errors(start);
     residuals.linearise(start);
+    const Eigen::VectorXd from = home_in ? homed_in(residuals, unknowns.z(start)).z : unknowns.z(start);
     const Minimum minimum = linearised(
         residuals,
-        minimise_linearised(residuals, unknowns.z(start),
+        minimise_linearised(residuals, from,
                             {.decrement = std::max(1e-4, kShare * best_.chi2), .full_steps = kMostSteps}));
     if (!minimum.converged || minimum.at.empty() || minimum.chi2 > best_.chi2 ||
         !admissible(unknowns, minimum.z))
@@ -286,6 +288,25 @@ double gain(const Explanation& found, std::size_t runs) {
   return gain_of(found) - chosen;
 }
 
+/// Runs that may be bad: the one without which chi^2 falls most, and the one of which that is true where the
+/// model is taken to be good to a tenth only. For with small errors a bad run takes the minimum with it, and
+/// others look worse there.
+std::vector<std::size_t> suspects(const Residuals& residuals, const Minimum& best, bool rejected) {
+  constexpr double kRough[] = {0.1};
+  const Problem& problem = residuals.unknowns().problem();
+  std::vector<bool> out;
+  for (const SummaryRun& run : problem.summary_runs) out.push_back(run.held_out);
+  if (out.size() < 4) return {};
+  std::vector<std::size_t> found{worst_run(residuals, linearised(residuals, best), out).first};
+  if (!rejected || !residuals.linear_in_conditions()) return found;
+  Residuals rough = residuals;
+  const Minimum there = homed_in(rough, best.z, kRough);
+  if (there.at.empty()) return found;
+  const std::size_t other = worst_run(rough, there, out).first;
+  if (other != found.front()) found.push_back(other);
+  return found;
+}
+
 /// Of free slides alone: how many of their numbers are independent. Their points err alike beyond what they
 /// tell, so that no law leaves chi^2 as it should be; of errors of an unknown size that many numbers say a
 /// law is likelier where chi^2 falls by a share, by n ln of the ratio. 0 where there are driven runs.
@@ -330,20 +351,15 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
     if (auto found = tests.test(candidate))
       list.push_back(
           {std::move(*found), [&] { return with_free(problem, candidate.quantities); }, &candidate});
-  std::optional<Tested> worst;
-  for (std::size_t i = 0; i < runs; ++i) {
-    if (problem.summary_runs[i].held_out || runs < 4) continue;
-    auto found = tests.test_run(i);
-    if (!found || (worst && worst->found.chi2_fall >= found->chi2_fall)) continue;
-    worst = {std::move(*found),
-             [&, i] {
-               Problem without = problem;
-               without.summary_runs[i].held_out = true;
-               return without;
-             },
-             nullptr};
-  }
-  if (worst) list.push_back(std::move(*worst));
+  for (const std::size_t run : suspects(residuals, best, rejected))
+    if (auto found = tests.test_run(run))
+      list.push_back({std::move(*found),
+                      [&, run] {
+                        Problem without = problem;
+                        without.summary_runs[run].held_out = true;
+                        return without;
+                      },
+                      nullptr});
   if (const auto scatter = tests.test_scatter())
     list.push_back({scatter->first,
                     [&, relative = scatter->second.relative] {
@@ -360,11 +376,16 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
     constexpr double kWorthAFit = 0.2;  ///< of the best's gain
     constexpr std::size_t kMostFits = 6;
     const double most = list.empty() ? 0 : gain(list.front().found, runs);
-    for (std::size_t i = 0; i < std::min(list.size(), kMostFits); ++i)
-      if (gain(list[i].found, runs) > std::max(9.0, kWorthAFit * most))
-        list[i].values = tests.refit(list[i].problem(), list[i].candidate, list[i].found);
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const bool bad_run = list[i].found.name == "bad_run";
+      if (bad_run || (i < kMostFits && gain(list[i].found, runs) > std::max(9.0, kWorthAFit * most)))
+        list[i].values = tests.refit(list[i].problem(), list[i].candidate, bad_run, list[i].found);
+    }
     std::stable_sort(list.begin(), list.end(), better);
   }
+  const auto is_bad_run = [](const Tested& tested) { return tested.found.name == "bad_run"; };
+  if (const auto worst = std::ranges::find_if(list, is_bad_run); worst != list.end())
+    list.erase(std::remove_if(worst + 1, list.end(), is_bad_run), list.end());
   const double of_slides = independent_points(residuals, best);
   std::vector<ExplainedProblem> result;
   for (Tested& tested : list) {

@@ -33,26 +33,6 @@ std::optional<double> looks_like(const SummaryRun& run, const Eigen::Vector2d& m
   return std::remainder(run.scenario.friction.phase + turned, 2 * std::numbers::pi);
 }
 
-/// The run whose leaving out lowers chi^2 most, to first order, and by how much.
-std::pair<std::size_t, double> worst(const Residuals& residuals, const Minimum& best,
-                                     const std::vector<bool>& out) {
-  const Unknowns& unknowns = residuals.unknowns();
-  const Eigen::MatrixXd covariance = uncertainty(unknowns, unknowns.values(best.z), best.at).shared;
-  const RowGroup& summary = best.at.groups.front();
-  std::pair<std::size_t, double> found{0, 0};
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    if (out[i]) continue;
-    const auto row = 2 * static_cast<Eigen::Index>(i);
-    const Eigen::Vector2d r = summary.residuals.segment<2>(row);
-    const Eigen::MatrixXd j = summary.shared.middleRows(row, 2);
-    const Eigen::Matrix2d left = Eigen::Matrix2d::Identity() - j * covariance * j.transpose();
-    if (!(left.determinant() > 1e-6)) continue;  // the run alone pins something: nothing checks it
-    const double drop = r.dot(left.inverse() * r);
-    if (drop > found.second) found = {i, drop};
-  }
-  return found;
-}
-
 Outlier describe(const SummaryRun& run, double deviation, double probability, std::optional<double> phi) {
   Outlier outlier;
   outlier.run = run.name;
@@ -72,6 +52,25 @@ Outlier describe(const SummaryRun& run, double deviation, double probability, st
 
 }  // namespace
 
+std::pair<std::size_t, double> worst_run(const Residuals& residuals, const Minimum& best,
+                                         const std::vector<bool>& out) {
+  const Unknowns& unknowns = residuals.unknowns();
+  const Eigen::MatrixXd covariance = uncertainty(unknowns, unknowns.values(best.z), best.at).shared;
+  const RowGroup& summary = best.at.groups.front();
+  std::pair<std::size_t, double> found{0, 0};
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (out[i]) continue;
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    const Eigen::Vector2d r = summary.residuals.segment<2>(row);
+    const Eigen::MatrixXd j = summary.shared.middleRows(row, 2);
+    const Eigen::Matrix2d left = Eigen::Matrix2d::Identity() - j * covariance * j.transpose();
+    if (!(left.determinant() > 1e-6)) continue;  // the run alone pins something: nothing checks it
+    const double drop = r.dot(left.inverse() * r);
+    if (drop > found.second) found = {i, drop};
+  }
+  return found;
+}
+
 std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
   constexpr double kLeftOut = 1e-12;  ///< weight of a run that does not count but is still compared
   const Problem& problem = residuals.unknowns().problem();
@@ -81,7 +80,7 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
   double dof = residuals.degrees_of_freedom();
   best = linearised(residuals, std::move(best));
   while (found.size() < runs / 4 && dof > 3 && !best.at.empty()) {
-    const auto [i, first_order] = worst(residuals, best, out);
+    const auto [i, first_order] = worst_run(residuals, best, out);
     const double count = static_cast<double>(runs);
     if (!(count * chance(first_order, std::max(0.0, best.chi2 - first_order), dof - 2) < 10 * kOutlier))
       break;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "fit/fit_result.h"
@@ -20,6 +21,10 @@ namespace tribotrack::fit::internal {
 /// bring it back (rotation law), the phi it looks like is reported, too. `residuals` without scatter and
 /// weights, `best` their minimum.
 std::vector<Outlier> find_outliers(Residuals residuals, Minimum best);
+
+/// The run without which chi^2 falls most, to first order, and by how much; `out`: those that do not count.
+std::pair<std::size_t, double> worst_run(const Residuals& residuals, const Minimum& best,
+                                         const std::vector<bool>& out);
 
 /// Friction that differs from run to run, all of it by the same share: mu1 and mu2 of run i are (1 + e_i) of
 /// the campaign's, e_i of sd s. With J_i = mu1 dx_i/dmu1 + mu2 dx_i/dmu2 (whitened) its residuals have the

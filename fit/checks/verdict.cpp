@@ -140,7 +140,6 @@ std::optional<Quoted> explained(const Problem& problem, double chi2, std::vector
                                 const std::vector<Outlier>& outliers,
                                 const std::function<Refit(const Problem&)>& refit) {
   constexpr int kMostTogether = 3;
-  constexpr double kMost = 0.5;  ///< of chi^2, that one run makes
   Quoted quoted;
   std::vector<ExplainedProblem> beside;
   for (int k = 0; k < kMostTogether; ++k) {
@@ -148,18 +147,15 @@ std::optional<Quoted> explained(const Problem& problem, double chi2, std::vector
     if (k == 0 && first_that_explains(now) == now.end() && !outliers.empty())
       return without_bad_runs(problem, outliers);
     std::optional<Refit> best;
-    for (std::size_t i = 0; i < now.size() && first_that_explains(now) == now.end(); ++i) {
-      Explanation& found = now[i].found;
-      const bool gross = found.name == "bad_run" && found.chi2_fall > kMost * chi2;
-      if (!found.refitted || (i > 0 && !gross)) continue;
-      Refit there = refit(begun(now[i]));
-      if (there.chi2 < chi2 - found.chi2_fall) {
-        found.chi2_fall = chi2 - there.chi2;
-        found.p_after = there.p_value;
-        found.parameters = there.parameters;
-        found.explains = there.p_value > kExplained;
+    if (first_that_explains(now) == now.end() && !now.empty() && now.front().found.refitted) {
+      Explanation& found = now.front().found;
+      best = refit(begun(now.front()));
+      if (best->chi2 < chi2 - found.chi2_fall) {
+        found.chi2_fall = chi2 - best->chi2;
+        found.p_after = best->p_value;
+        found.parameters = best->parameters;
+        found.explains = best->p_value > kExplained;
       }
-      if (i == 0) best = std::move(there);
     }
     if (const auto answer = first_that_explains(now); answer != now.end()) {
       std::rotate(now.begin(), answer, answer + 1);

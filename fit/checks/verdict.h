@@ -28,8 +28,8 @@ struct Refit {
 
 /// What explains the residuals: one thing, or a second and a third beside it where each gains. `list`: the
 /// explanations of `problem`, whose chi^2 is `chi2`. A large effect pulls the minimum so far that no descent
-/// leads from there to its own: where nothing explains the residuals, the best and the bad run are fitted
-/// anew, and told as they are then. nullopt: nothing does.
+/// leads from there to its own: where nothing explains the residuals, the best is fitted anew, and told as it
+/// is then. nullopt: nothing does.
 std::optional<Quoted> explained(const Problem& problem, double chi2, std::vector<ExplainedProblem>& list,
                                 const std::vector<Outlier>& outliers,
                                 const std::function<Refit(const Problem&)>& refit);

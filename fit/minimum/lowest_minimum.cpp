@@ -1,5 +1,6 @@
 // The minimum of the full model: from those of the search, and elsewhere where the data reject these.
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "fit/minimum/multi_start.h"
@@ -18,31 +19,40 @@ Eigen::VectorXd conditions_as_known(const Unknowns& unknowns, const Eigen::Vecto
   return unknowns.z(values);
 }
 
-/// At a screened point, under conditions of which nothing but the priors is taken.
-Eigen::VectorXd elsewhere(const Unknowns& unknowns, Eigen::VectorXd values, int k) {
-  constexpr double kReach = 3;  ///< sd
-  constexpr int kBases[] = {2, 3, 5, 7, 11, 13, 17};
-  std::size_t dimension = 0;
-  for (const Eigen::Index i : linear_unknowns(unknowns, true)) {
-    const auto known = unknowns.prior(i);
-    if (!known || std::ranges::count(kLaws, unknowns.parameter(i)) > 0) continue;
-    const double u = halton(k, kBases[dimension++ % std::size(kBases)]);
-    values(i) = known->mean + (2 * u - 1) * kReach * known->sd;
+}  // namespace
+
+Minimum homed_in(Residuals& residuals, const Eigen::VectorXd& z, std::span<const double> shares) {
+  constexpr int kSteps = 10;
+  constexpr double kShare = 0.03, kCoarsest = 1e-5;  ///< of the integration: of a sigma, of a path
+  const ExcessVariance own = residuals.excess_variance();
+  const double tolerance = residuals.tolerance();
+  const double typical = residuals.unknowns().problem().typical_displacement();
+  residuals.set_tolerance(std::max(tolerance, residuals.tolerance_for(kShare, kCoarsest)));
+  Minimum there;
+  there.z = conditions_as_known(residuals.unknowns(), z);
+  for (const double share : shares) {
+    ExcessVariance wide = own;
+    wide.runs = std::hypot(own.runs, share * typical);
+    residuals.set_excess_variance(wide);
+    there = descend_in_full(residuals, there.z, {.full_steps = kSteps});
+    if (there.at.empty()) break;
   }
-  return unknowns.z(values);
+  residuals.set_excess_variance(own);
+  residuals.set_tolerance(tolerance);
+  return there;
 }
 
+namespace {
+
 Minimum search_elsewhere(Residuals& residuals, const Minimum& best, const Search& search, int threads) {
-  constexpr std::size_t kDescents = 16, kWhole = 3;
+  constexpr std::size_t kPlaces = 4, kWhole = 2;
   const Unknowns& unknowns = residuals.unknowns();
-  const std::size_t runs = std::max(kRunsToSearch, unknowns.problem().summary_runs.size());
   const auto points = basins(unknowns, search.sample, refinable(residuals));
   if (points.empty() || !residuals.linear_in_conditions()) return best;
-  std::vector<Minimum> ends(kDescents * kRunsToSearch / runs);
+  std::vector<Minimum> ends(std::min(kPlaces, points.size()));
   parallel_for(ends.size(), threads, [&](std::size_t k) {
     Residuals there = residuals;
-    const Eigen::VectorXd values = unknowns.values(points[k % points.size()].z);
-    ends[k] = descend_in_full(there, elsewhere(unknowns, values, static_cast<int>(k) + 1), {.full_steps = 6});
+    ends[k] = homed_in(there, points[k].z);
   });
   std::erase_if(ends, [&](const Minimum& end) { return end.at.empty() || !admissible(unknowns, end.z); });
   std::ranges::stable_sort(ends, {}, &Minimum::chi2);
@@ -84,7 +94,7 @@ Lowest lowest_minimum(Residuals& residuals, const Search& search, int threads) {
     residuals = there;
     lowest = {other, i};
   }
-  if (residuals.p_value(lowest.minimum.chi2) < kSurprise)
+  if (residuals.p_value(lowest.minimum.chi2) < kDoubt)
     lowest.minimum = search_elsewhere(residuals, lowest.minimum, search, threads);
   return lowest;
 }

@@ -1,6 +1,8 @@
 // Finding the minimum: several descents from a screened box.
 #pragma once
 
+#include <array>
+#include <span>
 #include <vector>
 
 #include "fit/estimate.h"
@@ -34,11 +36,17 @@ struct Lowest {
 };
 
 /// From the best minimum of the search, and from others where the full model is far from linear. Where the
-/// data reject what they lead to: 16 short descents (fewer with more than 24 runs) in the full model from the
-/// basins it screened, each under other conditions, up to 3 sd from what is known of them, then the best of
-/// these whole. For the search itself has the conditions near what is known, and displacements linear in
-/// them; where both are wrong and errors are small it ends in a valley from which no descent leads out.
+/// data reject what they lead to, from the best basins it screened as well, homed in: the search itself has
+/// displacements linear in the conditions; where these are far from what is known of them and errors are
+/// small it ends in a valley from which no descent leads out.
 Lowest lowest_minimum(Residuals& residuals, const Search& search, int threads);
+
+/// From z, first as if the model were good to a tenth of a typical displacement, then better and better: what
+/// is fitted finds its valley while the conditions stay near what is known of them, and these take their part
+/// as it is asked for. `residuals` are left linearised where that ends, at the last of the shares; no motion
+/// there: Minimum::at is empty.
+inline constexpr std::array kHomeIn{0.1, 0.03, 0.01, 0.003, 0.0};
+Minimum homed_in(Residuals& residuals, const Eigen::VectorXd& z, std::span<const double> shares = kHomeIn);
 
 /// Within half a standard deviation of each other; standard deviations widened by the residuals (`spread` =
 /// chi^2/dof).

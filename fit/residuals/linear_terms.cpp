@@ -1,8 +1,10 @@
 #include "fit/residuals/linear_terms.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "fit/residuals/end_point.h"
 #include "model/parallel.h"
@@ -41,34 +43,71 @@ model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values) 
           .static_friction = of(FitParameter::static_friction)};
 }
 
-/// What the laws at `values` add to a run's displacement, and the derivatives by those that are unknown.
-void add_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const SummaryRun& run,
-              Eigen::Vector2d& by_laws, Eigen::Matrix2Xd& columns) {
-  const AppliedScenario applied = unknowns.apply_summary(values, run, false);
-  if (applied.scenario.start != model::Start::rest) return;  // other laws are integrated from rest
+/// What laws add to a run's displacement, and its derivatives.
+struct AddedByLaws {
+  Eigen::Vector2d added = Eigen::Vector2d::Zero();
+  Eigen::Matrix2Xd by_laws;  ///< by the laws among the unknowns
+  Eigen::Matrix2Xd bend;     ///< by the others
+};
+
+/// The derivatives of what laws add, with the chain from the run's friction to the unknowns.
+Eigen::Matrix2Xd bend_of(const AppliedScenario& applied, const Eigen::Vector2d& added,
+                         const Eigen::Matrix2d& by_mu) {
+  Eigen::Matrix2Xd bend = Eigen::Matrix2Xd::Zero(2, applied.chain.cols());
+  const model::Drive& drive = applied.scenario.drive;
+  // epsilon = +pi/2 circles clockwise: a later pulse turns the drift by -lag. Along a line it does not.
+  const double turning = -std::sin(drive.phase_shift) * std::min(drive.amplitude, drive.amplitude_y) /
+                         std::max({drive.amplitude, drive.amplitude_y, 1e-300});
+  for (std::size_t i = 0; i < applied.wanted.size(); ++i) {
+    const Eigen::RowVectorXd chain = applied.chain.row(static_cast<Eigen::Index>(i));
+    if (applied.wanted[i] == model::Parameter::mu1) bend += by_mu.col(0) * chain;
+    if (applied.wanted[i] == model::Parameter::mu2) bend += by_mu.col(1) * chain;
+    if (applied.wanted[i] == model::Parameter::lag)
+      bend += turning * Eigen::Vector2d(-added.y(), added.x()) * chain;
+  }
+  return bend;
+}
+
+/// What the laws at `values` add to a run's displacement `by_paper`.
+AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const SummaryRun& run,
+                          const ModelledDisplacement& by_paper, const std::vector<Eigen::Index>& laws) {
+  AddedByLaws result;
+  result.by_laws.setZero(2, static_cast<Eigen::Index>(laws.size()));
+  result.bend.setZero(2, unknowns.common());
+  const AppliedScenario applied = unknowns.apply_summary(values, run, true);
+  if (applied.scenario.start != model::Start::rest) return result;  // other laws are integrated from rest
+  const double unit = applied.stretch / applied.scale;
   // Edges that take a negative time undo what positive ones add, so that chi^2 has no kink at 0.
   const auto edges = unknowns.find(FitParameter::gate_edges);
   const bool undone = edges && values(*edges) < 0;
   Eigen::VectorXd sharp = values, soft = values;
   if (undone) sharp(*edges) = 0, soft(*edges) = -values(*edges);
-  static_assert(3 + kLaws.size() <= model::kMostRivalLaws);
-  std::vector<Eigen::Index> by;
-  std::vector<model::RivalLaw> laws{{}, law_at(unknowns, sharp), law_at(unknowns, soft)};
-  for (const FitParameter law : kLaws) {
-    const auto i = unknowns.find(law);
-    if (!i) continue;
-    Eigen::VectorXd beside = i == edges ? soft : sharp;
-    beside(*i) += step_of(law);
-    by.push_back(*i);
-    laws.push_back(law_at(unknowns, beside));
+  const model::RivalLaw paper, as_sharp = law_at(unknowns, sharp), as_soft = law_at(unknowns, soft);
+  std::vector<model::RivalLaw> beside{paper, as_sharp, as_soft};
+  for (const Eigen::Index law : laws) {
+    Eigen::VectorXd more = law == edges ? soft : sharp;
+    more(law) += step_of(unknowns.parameter(law));
+    beside.push_back(law_at(unknowns, more));
   }
-  const Eigen::Matrix2Xd moved =
-      model::rival_displacements(applied.scenario, laws, kTolerance) * (applied.stretch / applied.scale);
-  const Eigen::Vector2d paper = moved.col(0), without_edges = moved.col(1), with = moved.col(2);
-  if (laws[2] != laws[0]) by_laws = 2 * without_edges - with - paper;
-  for (std::size_t k = 0; k < by.size(); ++k)
-    columns.col(by[k]) =
-        (moved.col(3 + k) - (by[k] == edges ? with : without_edges)) / step_of(unknowns.parameter(by[k]));
+  static_assert(3 + kLaws.size() <= model::kMostRivalLaws);
+  const Eigen::Matrix2Xd moved = unit * model::rival_displacements(applied.scenario, beside, kTolerance);
+  for (std::size_t k = 0; k < laws.size(); ++k)
+    result.by_laws.col(static_cast<Eigen::Index>(k)) =
+        (moved.col(static_cast<Eigen::Index>(3 + k)) - moved.col(laws[k] == edges ? 2 : 1)) /
+        step_of(unknowns.parameter(laws[k]));
+  if (as_soft == paper) return result;
+  result.added = 2 * moved.col(1) - moved.col(2) - moved.col(0);
+
+  constexpr double kStep = 2e-3;  // of mu
+  std::array<model::RivalLaw, 3> heavier{as_sharp, as_sharp, as_sharp};
+  heavier[1].mu1 = heavier[2].mu2 = kStep;
+  const Eigen::Matrix2Xd there = unit * model::rival_displacements(applied.scenario, heavier, kTolerance);
+  const model::Friction& friction = applied.scenario.friction;
+  Eigen::Matrix2d by_mu;
+  by_mu.col(0) = (there.col(1) - there.col(0)) / (kStep * friction.nominal);
+  by_mu.col(1) = (there.col(2) - there.col(0)) / (kStep * friction.reduced);
+  if (by_mu.allFinite()) result.bend = bend_of(applied, result.added, by_mu - by_paper.by_mu);
+  return result;
 }
 
 }  // namespace
@@ -105,6 +144,11 @@ ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen
   result.jacobian.setZero(2, unknowns.common());
   if (!wanted.empty())
     result.jacobian(Eigen::all, by) = (end.jacobian * chain) * (applied.stretch / applied.scale);
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    for (const model::Parameter mu : {model::Parameter::mu1, model::Parameter::mu2})
+      if (wanted[i] == mu)
+        result.by_mu.col(mu == model::Parameter::mu2) =
+            end.jacobian.col(static_cast<Eigen::Index>(i)) * (applied.stretch / applied.scale);
   const auto asked = [&](std::optional<Eigen::Index> i) { return i && std::ranges::count(by, *i) > 0; };
   if (const auto scale = unknowns.find(FitParameter::scale); asked(scale))
     result.jacobian.col(*scale) -= result.position / applied.scale;
@@ -119,6 +163,7 @@ std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen
   const Problem& problem = unknowns.problem();
   LinearTerms terms;
   terms.linear_ = linear_unknowns(unknowns, true);
+  terms.bent_ = linear_unknowns(unknowns, false);
   terms.values_ = values;
   terms.runs_.resize(problem.summary_runs.size());
   std::vector<Eigen::Index> all, laws;
@@ -132,14 +177,22 @@ std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen
       const SummaryRun& data = problem.summary_runs[i];
       Run& run = terms.runs_[i];
       run.here = modelled_displacement(unknowns, values, data, all, tolerance);
+      if (laws.empty()) return;
+      Eigen::Matrix2Xd columns;
       if (!terms.laws_are_new_) {
         const Run& known = laws_of->runs_[i];
-        const Eigen::Matrix2Xd columns = known.here.jacobian(Eigen::all, laws);
-        run.here.jacobian(Eigen::all, laws) = columns;
-        run.by_laws = known.by_laws + columns * (values - laws_of->values_)(laws);
-      } else if (!laws.empty()) {
-        add_laws(unknowns, values, data, run.by_laws, run.here.jacobian);
+        const Eigen::VectorXd since = values - laws_of->values_;
+        columns = known.here.jacobian(Eigen::all, laws);
+        run.by_laws = known.by_laws + columns * since(laws) + known.bend * since.head(unknowns.common());
+        run.bend = known.bend;
+      } else {
+        AddedByLaws there = added_by_laws(unknowns, values, data, run.here, laws);
+        columns = std::move(there.by_laws);
+        run.by_laws = there.added;
+        run.bend = std::move(there.bend);
       }
+      run.here.jacobian += run.bend;
+      run.here.jacobian(Eigen::all, laws) = columns;
       run.here.position += run.by_laws;
     });
   } catch (const model::InvalidParameter&) {
@@ -160,7 +213,10 @@ void LinearTerms::add(std::size_t index, const Eigen::VectorXd& values,
   const Run& run = runs_[index];
   const Eigen::Matrix2Xd columns = run.here.jacobian(Eigen::all, linear_);
   by_paper.position += run.by_laws + columns * (values - values_)(linear_);
-  if (by_paper.jacobian.size() > 0) by_paper.jacobian(Eigen::all, linear_) = columns;
+  if (run.bend.size() > 0) by_paper.position += run.bend(Eigen::all, bent_) * (values - values_)(bent_);
+  if (by_paper.jacobian.size() == 0) return;
+  by_paper.jacobian(Eigen::all, linear_) = columns;
+  if (run.bend.size() > 0) by_paper.jacobian(Eigen::all, bent_) += run.bend(Eigen::all, bent_);
 }
 
 }  // namespace tribotrack::fit::internal

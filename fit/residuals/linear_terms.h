@@ -2,11 +2,13 @@
 //
 // What is known to an sd moves a displacement little, and what another law of friction adds is too slow to
 // integrate in every step of a fit. Both enter linearly, theta being what is fitted:
-//   x(theta, c) = x(theta, c_0) + D + sum_k C_k (c_k - c_0k),
+//   x(theta, c) = x(theta, c_0) + D + D' (theta - theta_0) + sum_k C_k (c_k - c_0k),
 // C_k the derivatives by condition k - exact, or differences of an integration under the law - at (theta_0,
-// c_0), and D what the laws at c_0 add there. Where a descent ends it is linearised again, until it stays
-// (minimise_linearised): then x, its derivatives, and with them the minimum are those of the full model. What
-// the laws add changes slowly with theta and costs most: near where it was found it may be kept.
+// c_0), D what the laws at c_0 add there and D' its derivative: by mu1 and mu2 differences of integrations,
+// and by the lag, as the drift turns with the pulses, J D on a platform that circles. Where a descent ends it
+// is linearised again, until it stays (minimise_linearised): then x, its derivatives, and with them the
+// minimum are those of the full model. What the laws add changes slowly with theta and costs most: near where
+// it was found it may be kept.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,6 +23,7 @@ namespace tribotrack::fit::internal {
 struct ModelledDisplacement {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< m, in the picture (divided by the scale)
   Eigen::Matrix2Xd jacobian;                           ///< of those asked for; the others are 0
+  Eigen::Matrix2d by_mu = Eigen::Matrix2d::Zero();  ///< by the run's mu1 and mu2, where these are asked for
 };
 
 class LinearTerms {
@@ -38,7 +41,7 @@ class LinearTerms {
   const ModelledDisplacement& here(std::size_t run) const { return runs_[run].here; }
   /// Values with conditions at c_0.
   Eigen::VectorXd held(Eigen::VectorXd values) const;
-  /// Of the displacement by the paper's law, with conditions held, that of all: D + sum C_k (c_k - c_0k) is
+  /// Of the displacement by the paper's law, with conditions held, that of all: D and what is linear is
   /// added, and the derivatives by the conditions put in place of whatever their columns hold.
   void add(std::size_t run, const Eigen::VectorXd& values, ModelledDisplacement& by_paper) const;
 
@@ -46,8 +49,10 @@ class LinearTerms {
   struct Run {
     ModelledDisplacement here;
     Eigen::Vector2d by_laws = Eigen::Vector2d::Zero();  ///< D
+    Eigen::Matrix2Xd bend;                              ///< D', by all unknowns but the laws
   };
   std::vector<Eigen::Index> linear_;  ///< conditions, among the unknowns
+  std::vector<Eigen::Index> bent_;    ///< the other shared ones
   Eigen::VectorXd values_;
   bool laws_are_new_ = true;
   std::vector<Run> runs_;

@@ -5,6 +5,7 @@
 
 #include "fit/tools/dense.h"
 #include "fit/tools/parameter_text.h"
+#include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 
 namespace tribotrack::fit {
@@ -197,6 +198,14 @@ std::optional<std::string> Problem::stuck_throughout() const {
   return "No run moved beyond its error: the part sticks throughout. The data only show that friction, "
          "reduced or not, held it: mu1 and mu2 above A w^2/g = " +
          internal::number(held) + ". Drive harder (A w^2 above mu1 g), or check that the actuator works.";
+}
+
+double Problem::typical_displacement() const {
+  std::vector<double> lengths;
+  for (const SummaryRun& run : summary_runs) lengths.push_back(run.measured.vector.norm());
+  for (const TrajectoryRun& run : trajectory_runs)
+    lengths.push_back((run.track.position.back() - run.track.position.front()).norm());
+  return internal::upper_median(lengths);
 }
 
 }  // namespace tribotrack::fit

@@ -84,6 +84,7 @@ class Residuals {
   const Unknowns& unknowns() const { return *unknowns_; }
   /// Error of the integrator, relative to the path.
   void set_tolerance(double tolerance) { tolerance_ = tolerance; }
+  double tolerance() const { return tolerance_; }
   /// `share` of the sigma of a typical run or point, relative to its path, within [1e-9, coarsest]: the error
   /// of the integrator that chi^2 tolerates where it is needed to that accuracy only.
   double tolerance_for(double share, double coarsest) const;

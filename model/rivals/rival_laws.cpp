@@ -35,13 +35,14 @@ class Equation {
       laws_[lane] = laws[static_cast<std::size_t>(lane) < laws.size() ? static_cast<std::size_t>(lane) : 0];
       const RivalLaw& law = laws_[lane];
       const bool too_long = law.rise < 0 || law.rise * w > std::min(width, kTurn - width);
-      const double all = law.stribeck + law.viscous + law.rise + law.mu2_speed + law.static_friction;
+      const double all =
+          law.stribeck + law.viscous + law.rise + law.mu2_speed + law.static_friction + law.mu1 + law.mu2;
       if (!std::isfinite(all) || !(law.stribeck > -1) || (too_long && width > 0))
         throw InvalidParameter("a rival law of friction is out of range: stribeck = " +
                                std::to_string(law.stribeck) + ", rise = " + std::to_string(law.rise) + " s");
       const double g = s_.drive.gravity, fast = 1 + law.stribeck * std::exp(-16);
-      if (s_.friction.nominal * g * fast + law.viscous * speed_ < 0 ||
-          s_.friction.reduced * (1 + law.mu2_speed) * g * fast + law.viscous * speed_ < 0)
+      if (s_.friction.nominal * (1 + law.mu1) * g * fast + law.viscous * speed_ < 0 ||
+          s_.friction.reduced * (1 + law.mu2) * (1 + law.mu2_speed) * g * fast + law.viscous * speed_ < 0)
         throw InvalidParameter(
             "a rival law of friction pushes the part: viscous = " + std::to_string(law.viscous) +
             " 1/s, mu2_speed = " + std::to_string(law.mu2_speed));
@@ -86,7 +87,8 @@ class Equation {
       const double into = since_first - kTurn * std::floor(since_first / kTurn);
       const bool open = into < width;
       const double since = (into - (open ? 0 : width)) / w;  // its edge
-      const double reduced = s_.friction.reduced * g, nominal = s_.friction.nominal * g;
+      const double reduced = s_.friction.reduced * (1 + law.mu2) * g,
+                   nominal = s_.friction.nominal * (1 + law.mu1) * g;
       const double by_speed = reduced * law.mu2_speed / speed_;
       // On a ramp the share of what comes after the edge grows with time.
       const bool on_ramp = width > 0 && since < law.rise;

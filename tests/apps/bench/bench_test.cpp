@@ -75,13 +75,14 @@ TEST_F(BenchCommand, AllQuickWritesEveryTableItsMetaFileAndThePage) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const std::filesystem::path out = in_folder("out");
   for (const char* name : {"bench_model", "bench_model_extremes", "bench_model_plan", "bench_vision",
-                           "bench_fit", "bench_fit_coverage"}) {
+                           "bench_fit", "bench_fit_coverage", "bench_fit_laboratory"}) {
     EXPECT_TRUE(std::filesystem::exists(out / (std::string(name) + ".csv"))) << name;
     EXPECT_TRUE(std::filesystem::exists(out / (std::string(name) + ".csv.meta.json"))) << name;
     EXPECT_TRUE(holds(outcome.out, std::string(name) + ".csv\n")) << name;
   }
   const std::string page = apps::content_of(out / "bench.html");
-  for (const char* section : {"model", "extremes", "omissions", "vision", "fit", "coverage", "circumstances"})
+  for (const char* section :
+       {"model", "extremes", "omissions", "vision", "fit", "coverage", "laboratory", "circumstances"})
     EXPECT_TRUE(holds(page, "<section id=\"" + std::string(section))) << section;
   EXPECT_TRUE(holds(outcome.err, "Who wins where"));
   const auto json = nlohmann::json::parse(apps::content_of(out / "bench.json"));

@@ -49,5 +49,30 @@ TEST(FullModel, Chi2IsThatOfTheModelWhereItEnds) {
     }
 }
 
+// Under a strong law, too, derivatives by what is fitted are those of the displacements under it.
+TEST(FullModel, DerivativesAreThoseUnderTheLaw) {
+  const Problem problem = strong_stribeck();
+  const Unknowns unknowns(problem);
+  Residuals residuals(unknowns);
+  residuals.set_tolerance(1e-9);
+  Eigen::VectorXd values = unknowns.first_guess();
+  values.head<3>() << 0.105, 0.04, -0.08;
+  values(*unknowns.find(FitParameter::stribeck)) = 0.45;
+  const auto residuals_at = [&](const Eigen::VectorXd& there) {
+    Residuals anew = residuals;
+    EXPECT_TRUE(anew.linearise(there));
+    return anew.at(there)->residuals();
+  };
+  ASSERT_TRUE(residuals.linearise(values));
+  const Eigen::MatrixXd jacobian = residuals.at(values)->jacobian(unknowns.size());
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const double step = 0.002 * std::abs(values(i));  // motion jumps elsewhere
+    Eigen::VectorXd more = values, less = values;
+    more(i) += step, less(i) -= step;
+    const Eigen::VectorXd differences = (residuals_at(more) - residuals_at(less)) / (2 * step);
+    EXPECT_LT((jacobian.col(i) - differences).norm(), 0.1 * differences.norm()) << i;
+  }
+}
+
 }  // namespace
 }  // namespace tribotrack::fit::internal
