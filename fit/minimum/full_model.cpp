@@ -78,13 +78,13 @@ bool descend(Place& place, const MinimiseOptions& options, Residuals::Laws laws,
   return steps > 0;
 }
 
-/// The same until the laws add what they do where it ends; `gently`: they are kept meanwhile.
-void settle(Place& place, const MinimiseOptions& options, bool gently) {
+/// The same with what the laws add kept, until it is that where it ends, too.
+void settle(Place& place, const MinimiseOptions& options) {
   constexpr int kMostTimes = 3;
   constexpr double kSettled = 1e-9, kOff = 0.1;  ///< of chi^2
   const Place start = place;
   int steps = options.full_steps;
-  for (int k = 0; gently && k < kMostTimes; ++k) {
+  for (int k = 0; k < kMostTimes; ++k) {
     const bool smooth = descend(place, options, Residuals::Laws::kept, steps);
     Place there = full_at(place.residuals, place.minimum.z, Residuals::Laws::anew);
     const double off = std::abs(there.minimum.chi2 - place.minimum.chi2);
@@ -105,55 +105,12 @@ void settle(Place& place, const MinimiseOptions& options, bool gently) {
 
 }  // namespace
 
-Minimum descend_in_full(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
-  Place place = full_at(residuals, z, Residuals::Laws::anew);
-  if (!place.minimum.at.empty()) settle(place, options, true);
-  residuals = std::move(place.residuals);
-  return place.minimum;
-}
-
 Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
   if (!residuals.linear_in_conditions()) return minimise(residuals, z, options);
-  constexpr int kMostTimes = 2;
-  constexpr double kKept = 0.01, kOff = 0.3;  ///< of chi^2, of what the linear problem promised
-  constexpr double kRough = 0.01;
-  constexpr double kNear = 1;  ///< sd
-  MinimiseOptions rough = options;
-  rough.decrement = std::max(options.decrement, kRough);
-  rough.max_iterations = 40;
-  rough.patient = false;
-  // Each minimum of the linear problem is where it is linearised next, lower or not: kinks are stepped over.
-  std::vector<Place> places{full_at(residuals, z, Residuals::Laws::anew)};
-  bool kept = false, near = false;
-  for (int k = 0; k < kMostTimes && !kept; ++k) {
-    const Place& from = places.back();
-    const Minimum promised =
-        minimise(from.minimum.at.empty() ? residuals : from.residuals, from.minimum.z, rough);
-    const double one = std::max(1.0, kKept * promised.chi2);
-    places.push_back(full_at(residuals, promised.z, Residuals::Laws::anew));
-    const double off = std::abs(places.back().minimum.chi2 - promised.chi2);
-    near = off < kOff * one;
-    kept = off < kKept * one;
-    if (places.back().minimum.at.empty()) break;
-  }
-  std::ranges::stable_sort(places, lower);
-  std::erase_if(places, [](const Place& place) { return place.minimum.at.empty(); });
-  if (places.empty()) return full_at(residuals, z, Residuals::Laws::anew).minimum;
-  Place best = places.front();
-  settle(best, options, near);
-  // Where promises are not kept the lowest place need not lead to the lowest minimum.
-  if (!kept && options.full_steps == MinimiseOptions{}.full_steps) {
-    const auto take = [&](Place other) {
-      settle(other, options, near);
-      if (!best.minimum.converged || lower(other, best)) best = std::move(other);
-    };
-    if (places.size() > 1 &&
-        !(best.minimum.distance(residuals.unknowns(), places[1].minimum.z) < kNear * kNear))
-      take(places[1]);
-  }
-  residuals = best.residuals;
-  best.minimum.far_from_linear = !kept;
-  return best.minimum;
+  Place place = full_at(residuals, z, Residuals::Laws::anew);
+  if (!place.minimum.at.empty()) settle(place, options);
+  residuals = std::move(place.residuals);
+  return place.minimum;
 }
 
 }  // namespace tribotrack::fit::internal

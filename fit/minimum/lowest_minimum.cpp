@@ -34,7 +34,7 @@ Minimum homed_in(Residuals& residuals, const Eigen::VectorXd& z, std::span<const
     ExcessVariance wide = own;
     wide.runs = std::hypot(own.runs, share * typical);
     residuals.set_excess_variance(wide);
-    there = descend_in_full(residuals, there.z, {.full_steps = kSteps});
+    there = minimise_linearised(residuals, there.z, {.full_steps = kSteps});
     if (there.at.empty()) break;
   }
   residuals.set_excess_variance(own);
@@ -44,27 +44,27 @@ Minimum homed_in(Residuals& residuals, const Eigen::VectorXd& z, std::span<const
 
 namespace {
 
-Minimum search_elsewhere(Residuals& residuals, const Minimum& best, const Search& search, int threads) {
-  constexpr std::size_t kPlaces = 4, kWhole = 2;
-  const Unknowns& unknowns = residuals.unknowns();
-  const auto points = basins(unknowns, search.sample, refinable(residuals));
-  if (points.empty() || !residuals.linear_in_conditions()) return best;
+/// From where the problem that is linear at z has its minimum: that steps over kinks of chi^2.
+Minimum minimise_over_kinks(Residuals& residuals, const Eigen::VectorXd& z) {
+  const MinimiseOptions rough{.decrement = 0.01, .max_iterations = 40, .patient = false};
+  residuals.linearise(residuals.unknowns().values(z));
+  return minimise_linearised(residuals, minimise(residuals, z, rough).z);
+}
+
+/// Where the best basins of the search lead to, homed in; best first.
+std::vector<Eigen::VectorXd> homed_in(const Residuals& residuals, const Search& search, int threads) {
+  constexpr std::size_t kPlaces = 4;
+  const auto points = basins(residuals.unknowns(), search.sample, refinable(residuals));
   std::vector<Minimum> ends(std::min(kPlaces, points.size()));
   parallel_for(ends.size(), threads, [&](std::size_t k) {
     Residuals there = residuals;
     ends[k] = homed_in(there, points[k].z);
   });
-  std::erase_if(ends, [&](const Minimum& end) { return end.at.empty() || !admissible(unknowns, end.z); });
+  std::erase_if(ends, [](const Minimum& end) { return end.at.empty(); });
   std::ranges::stable_sort(ends, {}, &Minimum::chi2);
-  Minimum lowest = best;
-  for (std::size_t k = 0; k < std::min(kWhole, ends.size()); ++k) {
-    Residuals there = residuals;
-    const Minimum whole = minimise_linearised(there, ends[k].z);
-    if (!(whole.chi2 < lowest.chi2) || !admissible(unknowns, whole.z)) continue;
-    lowest = whole;
-    residuals = there;
-  }
-  return lowest;
+  std::vector<Eigen::VectorXd> places;
+  for (const Minimum& end : ends) places.push_back(end.z);
+  return places;
 }
 
 /// Where there is motion: linear in the conditions the search may have taken them to where there is none.
@@ -84,18 +84,33 @@ Lowest lowest_minimum(Residuals& residuals, const Search& search, int threads) {
   // Own errors move the displacement by as much as these friction parameters make of them.
   residuals.set_own_errors(unknowns.values(first));
   Lowest lowest{minimise_linearised(residuals, first)};
+  const auto take = [&](const Residuals& there, const Minimum& other, std::size_t from) {
+    if (!(other.chi2 < lowest.minimum.chi2) || !admissible(unknowns, other.z)) return;
+    residuals = there;
+    lowest = {other, from};
+  };
   // Linear in the conditions the search may take another for the lowest: near the threshold of sliding they
   // are not.
-  const auto near = std::min(search.minima.size(), lowest.minimum.far_from_linear ? kRefined : 1);
-  for (std::size_t i = 1; i < near; ++i) {
+  for (std::size_t i = 1; i < std::min(search.minima.size(), kRefined); ++i) {
+    if (!(search.minima[i].chi2 < lowest.minimum.chi2)) break;
     Residuals there = residuals;
     const Minimum other = minimise_linearised(there, linearised_start(there, search.minima[i].z));
-    if (!(other.chi2 < lowest.minimum.chi2) || !admissible(unknowns, other.z)) continue;
-    residuals = there;
-    lowest = {other, i};
+    take(there, other, i);
   }
-  if (residuals.p_value(lowest.minimum.chi2) < kDoubt)
-    lowest.minimum = search_elsewhere(residuals, lowest.minimum, search, threads);
+  const auto doubtful = [&] {
+    return residuals.linear_in_conditions() && residuals.p_value(lowest.minimum.chi2) < kDoubt;
+  };
+  const auto look_beyond = [&](const Eigen::VectorXd& z) {
+    Residuals here = residuals, there = residuals;
+    const Minimum near = minimise_linearised(here, z), beyond = minimise_over_kinks(there, z);
+    take(here, near, lowest.from);
+    take(there, beyond, lowest.from);
+  };
+  if (doubtful()) look_beyond(first);
+  if (!doubtful()) return lowest;
+  constexpr std::size_t kWhole = 2;
+  const std::vector<Eigen::VectorXd> places = homed_in(residuals, search, threads);
+  for (std::size_t k = 0; k < std::min(kWhole, places.size()); ++k) look_beyond(places[k]);
   return lowest;
 }
 

@@ -13,11 +13,10 @@ struct Minimum {
   Eigen::VectorXd z;
   double chi2 = 0;
   bool converged = false;
-  bool joined = false;           ///< stopped because it entered the basin of a known minimum
-  bool far_from_linear = false;  ///< of minimise_linearised: the linear problem did not lead to it
-  bool abandoned = false;        ///< stopped because it crawls far above a known minimum
-  int descents = 1;              ///< that ended in it
-  Linearised at;                 ///< at z, as the descent saw it last; empty where the model has no motion
+  bool joined = false;     ///< stopped because it entered the basin of a known minimum
+  bool abandoned = false;  ///< stopped because it crawls far above a known minimum
+  int descents = 1;        ///< that ended in it
+  Linearised at;           ///< at z, as the descent saw it last; empty where the model has no motion
   /// Of another z, (z - this)' J'J (z - this): how much higher chi^2 would be there if the model were linear.
   double distance(const Unknowns& unknowns, const Eigen::VectorXd& other) const;
 };
@@ -40,16 +39,11 @@ struct MinimiseOptions {
 Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start,
                  const MinimiseOptions& options = {});
 
-/// Of residuals that are linear in the conditions: the minimum of the full model. From the minimum of the
-/// linear one, or from `z` where that is lower, by Levenberg and Marquardt's method with the residuals
-/// linearised at every point; they are left linearised where it ends. Along a kink of chi^2 it ends where no
-/// step leads down any more.
+/// Of residuals that are linear in the conditions: the minimum of the full model by Levenberg and Marquardt's
+/// method, the residuals linearised at every point; they are left linearised where it ends. Along a kink of
+/// chi^2 it ends where no step leads down any more. chi^2 is infinite where there is no motion at `z`.
 Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z,
                             const MinimiseOptions& options = {});
-
-/// From `z` itself, without the linear problem's help: quicker, and elsewhere. chi^2 is infinite where there
-/// is no motion at `z`.
-Minimum descend_in_full(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options = {});
 
 /// With Minimum::at, where it has none.
 Minimum linearised(const Residuals& residuals, Minimum minimum);
