@@ -18,12 +18,12 @@ struct Place {
 };
 
 /// The full model at z; at infinity without a motion.
-Place full_at(const Residuals& residuals, const Eigen::VectorXd& z, Residuals::Laws laws) {
+Place full_at(const Residuals& residuals, const Eigen::VectorXd& z) {
   Place place{{}, residuals};
   place.minimum.z = z;
   place.minimum.chi2 = std::numeric_limits<double>::infinity();
   const Eigen::VectorXd values = residuals.unknowns().values(z);
-  if (!values.allFinite() || !place.residuals.linearise(values, laws)) return place;
+  if (!values.allFinite() || !place.residuals.linearise(values)) return place;
   if (auto at = place.residuals.at(values)) {
     place.minimum.chi2 = at->chi2();
     place.minimum.at = std::move(*at);
@@ -31,13 +31,8 @@ Place full_at(const Residuals& residuals, const Eigen::VectorXd& z, Residuals::L
   return place;
 }
 
-bool lower(const Place& a, const Place& b) {
-  return a.minimum.chi2 < b.minimum.chi2;
-}
-
-/// Levenberg and Marquardt's method in the full model, with `steps` left to it. False where it ends at a
-/// kink.
-bool descend(Place& place, const MinimiseOptions& options, Residuals::Laws laws, int& steps) {
+/// Levenberg and Marquardt's method in the full model. It ends at a kink, too.
+void descend(Place& place, const MinimiseOptions& options) {
   constexpr double kFine = 1e-11, kFirstDamping = 1e-4, kLeastDamping = 1e-6, kMostDamping = 1e3;
   constexpr int kPatience = 5;
   constexpr double kLittle = 1e-3;  ///< of chi^2, in as many steps: at a kink the last digits come slowly
@@ -46,7 +41,7 @@ bool descend(Place& place, const MinimiseOptions& options, Residuals::Laws laws,
   const Unknowns& unknowns = place.residuals.unknowns();
   Minimum& best = place.minimum;
   double damping = kFirstDamping, lately = best.chi2;
-  for (int since = 0; steps > 0 && !best.converged; --steps) {
+  for (int step_count = 0, since = 0; step_count < options.full_steps && !best.converged; ++step_count) {
     const Eigen::MatrixXd jacobian = best.at.scaled(unknowns.slopes(best.z)).jacobian(unknowns.size());
     Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
     const Eigen::VectorXd gradient = jacobian.transpose() * best.at.residuals();
@@ -55,9 +50,9 @@ bool descend(Place& place, const MinimiseOptions& options, Residuals::Laws laws,
     const double promised = -step.dot(gradient);
     if (damping <= kFirstDamping && promised < decrement) {
       best.converged = true;
-      return true;
+      return;
     }
-    Place next = full_at(place.residuals, best.z + step, laws);
+    Place next = full_at(place.residuals, best.z + step);
     const double gain = best.chi2 - next.minimum.chi2;
     if (gain > 0) place = std::move(next);
     // By how far what the linear problem promised was kept (Marquardt; Nielsen 1999).
@@ -69,46 +64,17 @@ bool descend(Place& place, const MinimiseOptions& options, Residuals::Laws laws,
         damping > kMostDamping || (gain > 0 ? gain < decrement : promised < std::max(decrement, kUnseen));
     const bool full_step = damping <= kFirstDamping && gain > 0.25 * promised;
     if (full_step || lately - best.chi2 > kLittle) lately = best.chi2, since = 0;
-    if (!best.converged && ++since > kPatience) {
-      best.converged = true;
-      return false;
-    }
+    best.converged |= ++since > kPatience;
   }
   best.converged |= lately - best.chi2 < kNearMinimum;
-  return steps > 0;
-}
-
-/// The same with what the laws add kept, until it is that where it ends, too.
-void settle(Place& place, const MinimiseOptions& options) {
-  constexpr int kMostTimes = 3;
-  constexpr double kSettled = 1e-9, kOff = 0.1;  ///< of chi^2
-  const Place start = place;
-  int steps = options.full_steps;
-  for (int k = 0; k < kMostTimes; ++k) {
-    const bool smooth = descend(place, options, Residuals::Laws::kept, steps);
-    Place there = full_at(place.residuals, place.minimum.z, Residuals::Laws::anew);
-    const double off = std::abs(there.minimum.chi2 - place.minimum.chi2);
-    there.minimum.converged = place.minimum.converged;
-    if (!(off < kOff)) {
-      place = lower(there, start) ? there : start;
-      break;
-    }
-    place = std::move(there);
-    if (!smooth || newton_decrement(place.minimum.at) < std::max(options.decrement, kSettled)) return;
-    if (k + 1 == kMostTimes) return;
-    place.minimum.converged = false;
-  }
-  place.minimum.converged = false;
-  steps = options.full_steps;
-  descend(place, options, Residuals::Laws::anew, steps);
 }
 
 }  // namespace
 
 Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
   if (!residuals.linear_in_conditions()) return minimise(residuals, z, options);
-  Place place = full_at(residuals, z, Residuals::Laws::anew);
-  if (!place.minimum.at.empty()) settle(place, options);
+  Place place = full_at(residuals, z);
+  if (!place.minimum.at.empty()) descend(place, options);
   residuals = std::move(place.residuals);
   return place.minimum;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "fit/residuals/end_point.h"
@@ -89,8 +90,16 @@ AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& value
     more(law) += step_of(unknowns.parameter(law));
     beside.push_back(law_at(unknowns, more));
   }
+  constexpr double kStep = 2e-3;  // of mu
+  std::array<model::RivalLaw, 3> heavier{as_sharp, as_sharp, as_sharp};
+  heavier[1].mu1 = heavier[2].mu2 = kStep;
+  const bool together = beside.size() + 2 <= model::kMostRivalLaws;
+  if (together) beside.insert(beside.end(), heavier.begin() + 1, heavier.end());
   static_assert(3 + kLaws.size() <= model::kMostRivalLaws);
-  const Eigen::Matrix2Xd moved = unit * model::rival_displacements(applied.scenario, beside, kTolerance);
+  const auto under = [&](std::span<const model::RivalLaw> all) {
+    return Eigen::Matrix2Xd(unit * model::rival_displacements(applied.scenario, all, kTolerance));
+  };
+  const Eigen::Matrix2Xd moved = under(beside);
   for (std::size_t k = 0; k < laws.size(); ++k)
     result.by_laws.col(static_cast<Eigen::Index>(k)) =
         (moved.col(static_cast<Eigen::Index>(3 + k)) - moved.col(laws[k] == edges ? 2 : 1)) /
@@ -98,14 +107,13 @@ AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& value
   if (as_soft == paper) return result;
   result.added = 2 * moved.col(1) - moved.col(2) - moved.col(0);
 
-  constexpr double kStep = 2e-3;  // of mu
-  std::array<model::RivalLaw, 3> heavier{as_sharp, as_sharp, as_sharp};
-  heavier[1].mu1 = heavier[2].mu2 = kStep;
-  const Eigen::Matrix2Xd there = unit * model::rival_displacements(applied.scenario, heavier, kTolerance);
+  // Differences of one integration: its errors cancel.
+  const Eigen::Matrix2Xd there = together ? moved : under(heavier);
+  const Eigen::Vector2d base = there.col(together ? 1 : 0);
   const model::Friction& friction = applied.scenario.friction;
-  Eigen::Matrix2d by_mu;
-  by_mu.col(0) = (there.col(1) - there.col(0)) / (kStep * friction.nominal);
-  by_mu.col(1) = (there.col(2) - there.col(0)) / (kStep * friction.reduced);
+  Eigen::Matrix2d by_mu = there.rightCols(2).colwise() - base;
+  by_mu.col(0) /= kStep * friction.nominal;
+  by_mu.col(1) /= kStep * friction.reduced;
   if (by_mu.allFinite()) result.bend = bend_of(applied, result.added, by_mu - by_paper.by_mu);
   return result;
 }
@@ -159,7 +167,7 @@ ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen
 }
 
 std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                                           double tolerance, int threads, const LinearTerms* laws_of) {
+                                           double tolerance, int threads) {
   const Problem& problem = unknowns.problem();
   LinearTerms terms;
   terms.linear_ = linear_unknowns(unknowns, true);
@@ -171,28 +179,17 @@ std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen
     all.push_back(i);
     if (std::ranges::count(kLaws, unknowns.parameter(i)) > 0) laws.push_back(i);
   }
-  terms.laws_are_new_ = laws.empty() || laws_of == nullptr;
   try {
     parallel_for(terms.runs_.size(), threads, [&](std::size_t i) {
       const SummaryRun& data = problem.summary_runs[i];
       Run& run = terms.runs_[i];
       run.here = modelled_displacement(unknowns, values, data, all, tolerance);
       if (laws.empty()) return;
-      Eigen::Matrix2Xd columns;
-      if (!terms.laws_are_new_) {
-        const Run& known = laws_of->runs_[i];
-        const Eigen::VectorXd since = values - laws_of->values_;
-        columns = known.here.jacobian(Eigen::all, laws);
-        run.by_laws = known.by_laws + columns * since(laws) + known.bend * since.head(unknowns.common());
-        run.bend = known.bend;
-      } else {
-        AddedByLaws there = added_by_laws(unknowns, values, data, run.here, laws);
-        columns = std::move(there.by_laws);
-        run.by_laws = there.added;
-        run.bend = std::move(there.bend);
-      }
+      AddedByLaws there = added_by_laws(unknowns, values, data, run.here, laws);
+      run.by_laws = there.added;
+      run.bend = std::move(there.bend);
       run.here.jacobian += run.bend;
-      run.here.jacobian(Eigen::all, laws) = columns;
+      run.here.jacobian(Eigen::all, laws) = there.by_laws;
       run.here.position += run.by_laws;
     });
   } catch (const model::InvalidParameter&) {

@@ -5,10 +5,9 @@
 //   x(theta, c) = x(theta, c_0) + D + D' (theta - theta_0) + sum_k C_k (c_k - c_0k),
 // C_k the derivatives by condition k - exact, or differences of an integration under the law - at (theta_0,
 // c_0), D what the laws at c_0 add there and D' its derivative: by mu1 and mu2 differences of integrations,
-// and by the lag, as the drift turns with the pulses, J D on a platform that circles. Where a descent ends it
-// is linearised again, until it stays (minimise_linearised): then x, its derivatives, and with them the
-// minimum are those of the full model. What the laws add changes slowly with theta and costs most: near where
-// it was found it may be kept.
+// and by the lag, as the drift turns with the pulses, J D on a platform that circles. A search descends in
+// this; from where it ends every step is linearised anew (minimise_linearised): x, its derivatives, and with
+// them the minimum are those of the full model.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,14 +28,12 @@ struct ModelledDisplacement {
 class LinearTerms {
  public:
   /// Linearised at `values`: of the conditions among the unknowns; nullopt where the laws have no motion
-  /// there. With `laws_of` the laws add what these have of them, linear in their strengths.
+  /// there.
   static std::optional<LinearTerms> at(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                                       double tolerance, int threads, const LinearTerms* laws_of = nullptr);
+                                       double tolerance, int threads);
 
   /// (theta_0, c_0).
   const Eigen::VectorXd& values() const { return values_; }
-  /// The laws add what they do at values(), not what was kept of another place.
-  bool laws_are_new() const { return laws_are_new_; }
   /// At values(), by all unknowns.
   const ModelledDisplacement& here(std::size_t run) const { return runs_[run].here; }
   /// Values with conditions at c_0.
@@ -54,7 +51,6 @@ class LinearTerms {
   std::vector<Eigen::Index> linear_;  ///< conditions, among the unknowns
   std::vector<Eigen::Index> bent_;    ///< the other shared ones
   Eigen::VectorXd values_;
-  bool laws_are_new_ = true;
   std::vector<Run> runs_;
 };
 

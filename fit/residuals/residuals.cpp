@@ -113,11 +113,10 @@ void Residuals::set_excess_variance(const ExcessVariance& excess) {
   prepare();
 }
 
-bool Residuals::linearise(const Eigen::VectorXd& values, Laws laws) {
+bool Residuals::linearise(const Eigen::VectorXd& values) {
   if (problem_->summary_runs.empty() || linear_unknowns(*unknowns_, true).empty()) return true;
-  const bool keep = laws == Laws::kept && terms_;
-  if (terms_ && terms_->values() == values && (keep || terms_->laws_are_new())) return true;
-  auto terms = LinearTerms::at(*unknowns_, values, tolerance_, threads_, keep ? terms_.get() : nullptr);
+  if (terms_ && terms_->values() == values) return true;
+  auto terms = LinearTerms::at(*unknowns_, values, tolerance_, threads_);
   if (!terms) return false;
   terms_ = std::make_shared<const LinearTerms>(std::move(*terms));
   differentiated_ = linear_unknowns(*unknowns_, false);

@@ -90,8 +90,7 @@ class Residuals {
   double tolerance_for(double share, double coarsest) const;
   /// Summary runs linear in the conditions from here on, about these values (linear_terms.h); until then they
   /// are not, and laws of friction among them add nothing. False, and as before: there is no motion there.
-  enum class Laws { anew, kept };
-  bool linearise(const Eigen::VectorXd& values, Laws laws = Laws::anew);
+  bool linearise(const Eigen::VectorXd& values);
   bool linear_in_conditions() const { return terms_ != nullptr; }
 
   /// nullopt, and `why`, where the model has no motion at these values (InvalidParameter, StepLimitExceeded)
