@@ -80,14 +80,14 @@ fit::Problem campaign_of(const Laboratory& lab, const AlphaVErrors& errors, Dice
   for (int k = 0; k < kRuns; ++k) {
     fit::SummaryRun run;
     run.name = "run" + std::to_string(k);
-    run.course = static_cast<double>(k) / (kRuns - 1) - 0.5;
+    const double course = static_cast<double>(k) / (kRuns - 1) - 0.5;
     model::Scenario& s = run.scenario;
     s.cycles = 20;
     s.friction.phase = k < 8 ? k * pi / 4 : 0;
     s.friction.pulse_width = k < 8 ? pi / 3 : (k - 7) * pi / 6 + (k > 8 ? 0.5 : 0);
     model::Scenario truth = s;
     if (k == lab.bad_run) truth.friction.phase += 0.7;
-    const double factor = (1 + lab.scatter * dice.normal()) * (1 + lab.wear * run.course);
+    const double factor = (1 + lab.scatter * dice.normal()) * (1 + lab.wear * course);
     const double warm = 1 + lab.heating * (s.friction.pulse_width - pi / 3);
     const Vector2d moved = stepped(lab, truth, lab.mu1 * factor, lab.mu2 * factor * warm);
     const double v = moved.norm() / s.end_time(), off = lab.true_over_stated;

@@ -216,22 +216,17 @@ std::string page_of(const BenchResults& results, const Circumstances& circumstan
          paragraph("Each must hold a law: a scaling, a closed solution, a bound. The figure is how far it is "
                    "from holding, relative to the path unless the law says otherwise.") +
              broken_laws(results.extremes) + folded(table_of(results.extremes))});
-  if (!results.omissions.empty())
-    page.sections.push_back({"omissions", "What omissions save",
-                             paragraph("The same motion with and without machinery that it does not need.") +
-                                 table_of(results.omissions).html()});
-  if (!results.coverage.empty())
-    page.sections.push_back(
-        {"coverage", "Coverage",
-         paragraph("Do 95 % intervals hold the truth in 95 % of simulated campaigns? Counted are those whose "
-                   "fit calls itself usable, with the binomial 95 % range (Clopper and Pearson).") +
-             table_of(results.coverage).html()});
-  if (!results.laboratory.empty())
-    page.sections.push_back(
-        {"laboratory", "Laboratories that are not the model",
-         paragraph("Campaigns of a platform and a friction that depart from the model, simulated by another "
-                   "integrator and fitted as a table of which nobody says how well anything is known.") +
-             table_of(results.laboratory).html()});
+  const auto add = [&](const auto& rows, const char* name, const char* title, const char* what) {
+    if (!rows.empty()) page.sections.push_back({name, title, paragraph(what) + table_of(rows).html()});
+  };
+  add(results.omissions, "omissions", "What omissions save",
+      "The same motion with and without machinery that it does not need.");
+  add(results.coverage, "coverage", "Coverage",
+      "Do 95 % intervals hold the truth in 95 % of simulated campaigns? Counted are those whose fit calls "
+      "itself usable, with the binomial 95 % range (Clopper and Pearson).");
+  add(results.laboratory, "laboratory", "Laboratories that are not the model",
+      "Campaigns of a platform and a friction that depart from the model, simulated by another integrator "
+      "and fitted as a table of which nobody says how well anything is known.");
   std::string html = "<div class=\"wide\"><table id=\"bench_circumstances\" class=\"compact\"><tbody>\n";
   for (const auto& [name, value] : circumstances)
     html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, apps::escape_html(value));

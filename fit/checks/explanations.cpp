@@ -297,13 +297,14 @@ std::vector<std::size_t> suspects(const Residuals& residuals, const Minimum& bes
   std::vector<bool> out;
   for (const SummaryRun& run : problem.summary_runs) out.push_back(run.held_out);
   if (out.size() < 4) return {};
-  std::vector<std::size_t> found{worst_run(residuals, linearised(residuals, best), out).first};
-  if (!rejected || !residuals.linear_in_conditions()) return found;
-  Residuals rough = residuals;
-  const Minimum there = homed_in(rough, best.z, kRough);
-  if (there.at.empty()) return found;
-  const std::size_t other = worst_run(rough, there, out).first;
-  if (other != found.front()) found.push_back(other);
+  std::vector<std::size_t> found;
+  const auto look_at = [&](const Minimum& minimum) {
+    if (minimum.at.empty()) return;
+    const auto [run, fall] = worst_run(residuals.unknowns(), minimum, out);
+    if (fall > 0 && std::ranges::count(found, run) == 0) found.push_back(run);
+  };
+  look_at(linearised(residuals, best));
+  if (rejected && residuals.linear_in_conditions()) look_at(homed_in(residuals, best.z, kRough));
   return found;
 }
 

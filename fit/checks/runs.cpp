@@ -52,9 +52,8 @@ Outlier describe(const SummaryRun& run, double deviation, double probability, st
 
 }  // namespace
 
-std::pair<std::size_t, double> worst_run(const Residuals& residuals, const Minimum& best,
+std::pair<std::size_t, double> worst_run(const Unknowns& unknowns, const Minimum& best,
                                          const std::vector<bool>& out) {
-  const Unknowns& unknowns = residuals.unknowns();
   const Eigen::MatrixXd covariance = uncertainty(unknowns, unknowns.values(best.z), best.at).shared;
   const RowGroup& summary = best.at.groups.front();
   std::pair<std::size_t, double> found{0, 0};
@@ -80,7 +79,7 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
   double dof = residuals.degrees_of_freedom();
   best = linearised(residuals, std::move(best));
   while (found.size() < runs / 4 && dof > 3 && !best.at.empty()) {
-    const auto [i, first_order] = worst_run(residuals, best, out);
+    const auto [i, first_order] = worst_run(residuals.unknowns(), best, out);
     const double count = static_cast<double>(runs);
     if (!(count * chance(first_order, std::max(0.0, best.chi2 - first_order), dof - 2) < 10 * kOutlier))
       break;

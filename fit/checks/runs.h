@@ -23,7 +23,8 @@ namespace tribotrack::fit::internal {
 std::vector<Outlier> find_outliers(Residuals residuals, Minimum best);
 
 /// The run without which chi^2 falls most, to first order, and by how much; `out`: those that do not count.
-std::pair<std::size_t, double> worst_run(const Residuals& residuals, const Minimum& best,
+/// 0: no other run checks any.
+std::pair<std::size_t, double> worst_run(const Unknowns& unknowns, const Minimum& best,
                                          const std::vector<bool>& out);
 
 /// Friction that differs from run to run, all of it by the same share: mu1 and mu2 of run i are (1 + e_i) of

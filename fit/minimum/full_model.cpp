@@ -1,9 +1,8 @@
-// The minimum of the full model, from that of the problem that is linear in the conditions.
+// The minimum of the full model: each step by the problem that is linear where the last one ended.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <vector>
 
 #include "fit/minimum/minimise.h"
 #include "fit/tools/dense.h"

@@ -1,4 +1,4 @@
-// The minimum of the full model: from those of the search, and elsewhere where the data reject these.
+// The minimum of the full model: from those of the search, and elsewhere where these are in doubt.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -21,13 +21,12 @@ Eigen::VectorXd conditions_as_known(const Unknowns& unknowns, const Eigen::Vecto
 
 }  // namespace
 
-Minimum homed_in(Residuals& residuals, const Eigen::VectorXd& z, std::span<const double> shares) {
+Minimum homed_in(Residuals residuals, const Eigen::VectorXd& z, std::span<const double> shares) {
   constexpr int kSteps = 10;
   constexpr double kShare = 0.03, kCoarsest = 1e-5;  ///< of the integration: of a sigma, of a path
   const ExcessVariance own = residuals.excess_variance();
-  const double tolerance = residuals.tolerance();
   const double typical = residuals.unknowns().problem().typical_displacement();
-  residuals.set_tolerance(std::max(tolerance, residuals.tolerance_for(kShare, kCoarsest)));
+  residuals.set_tolerance(std::max(residuals.tolerance(), residuals.tolerance_for(kShare, kCoarsest)));
   Minimum there;
   there.z = conditions_as_known(residuals.unknowns(), z);
   for (const double share : shares) {
@@ -37,8 +36,6 @@ Minimum homed_in(Residuals& residuals, const Eigen::VectorXd& z, std::span<const
     there = minimise_linearised(residuals, there.z, {.full_steps = kSteps});
     if (there.at.empty()) break;
   }
-  residuals.set_excess_variance(own);
-  residuals.set_tolerance(tolerance);
   return there;
 }
 
@@ -52,14 +49,11 @@ Minimum minimise_over_kinks(Residuals& residuals, const Eigen::VectorXd& z) {
 }
 
 /// Where the best basins of the search lead to, homed in; best first.
-std::vector<Eigen::VectorXd> homed_in(const Residuals& residuals, const Search& search, int threads) {
+std::vector<Eigen::VectorXd> ends_of_basins(const Residuals& residuals, const Search& search, int threads) {
   constexpr std::size_t kPlaces = 4;
   const auto points = basins(residuals.unknowns(), search.sample, refinable(residuals));
   std::vector<Minimum> ends(std::min(kPlaces, points.size()));
-  parallel_for(ends.size(), threads, [&](std::size_t k) {
-    Residuals there = residuals;
-    ends[k] = homed_in(there, points[k].z);
-  });
+  parallel_for(ends.size(), threads, [&](std::size_t k) { ends[k] = homed_in(residuals, points[k].z); });
   std::erase_if(ends, [](const Minimum& end) { return end.at.empty(); });
   std::ranges::stable_sort(ends, {}, &Minimum::chi2);
   std::vector<Eigen::VectorXd> places;
@@ -109,7 +103,7 @@ Lowest lowest_minimum(Residuals& residuals, const Search& search, int threads) {
   if (doubtful()) look_beyond(first);
   if (!doubtful()) return lowest;
   constexpr std::size_t kWhole = 2;
-  const std::vector<Eigen::VectorXd> places = homed_in(residuals, search, threads);
+  const std::vector<Eigen::VectorXd> places = ends_of_basins(residuals, search, threads);
   for (std::size_t k = 0; k < std::min(kWhole, places.size()); ++k) look_beyond(places[k]);
   return lowest;
 }

@@ -35,18 +35,18 @@ struct Lowest {
   std::size_t from = 0;  ///< of Search::minima, the one that led to it
 };
 
-/// From the best minimum of the search, and from others where the full model is far from linear. Where the
-/// data reject what they lead to, from the best basins it screened as well, homed in: the search itself has
+/// From the best minimum of the search, and from others that it has lower than what that leads to. Where p of
+/// chi^2 is below 0.05, from the best basins it screened as well, homed in: the search itself has
 /// displacements linear in the conditions; where these are far from what is known of them and errors are
 /// small it ends in a valley from which no descent leads out.
 Lowest lowest_minimum(Residuals& residuals, const Search& search, int threads);
 
 /// From z, first as if the model were good to a tenth of a typical displacement, then better and better: what
 /// is fitted finds its valley while the conditions stay near what is known of them, and these take their part
-/// as it is asked for. `residuals` are left linearised where that ends, at the last of the shares; no motion
-/// there: Minimum::at is empty.
+/// as it is asked for. The minimum at the last of the shares, to a few per cent of a standard deviation;
+/// no motion there: Minimum::at is empty.
 inline constexpr std::array kHomeIn{0.1, 0.03, 0.01, 0.003, 0.0};
-Minimum homed_in(Residuals& residuals, const Eigen::VectorXd& z, std::span<const double> shares = kHomeIn);
+Minimum homed_in(Residuals residuals, const Eigen::VectorXd& z, std::span<const double> shares = kHomeIn);
 
 /// Within half a standard deviation of each other; standard deviations widened by the residuals (`spread` =
 /// chi^2/dof).
