@@ -226,7 +226,9 @@ std::string page_of(const BenchResults& results, const Circumstances& circumstan
       "itself usable, with the binomial 95 % range (Clopper and Pearson).");
   add(results.laboratory, "laboratory", "Laboratories that are not the model",
       "Campaigns of a platform and a friction that depart from the model, simulated by another integrator "
-      "and fitted as a table of which nobody says how well anything is known.");
+      "and fitted as a table of which nobody says how well anything is known. What is not said: nothing; all "
+      "the usual departures together; or one of one to six times the sd by which a fit expects it. Far out: "
+      "outside the 95 % interval by more than a quarter of its length.");
   std::string html = "<div class=\"wide\"><table id=\"bench_circumstances\" class=\"compact\"><tbody>\n";
   for (const auto& [name, value] : circumstances)
     html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, apps::escape_html(value));
