@@ -36,8 +36,12 @@ Interval limits(const Unknowns& unknowns, FitParameter parameter, double value) 
 /// A point this much below a minimum is a better one.
 constexpr double kLower = 0.01;
 
-MinimiseOptions held_at(Eigen::Index parameter) {
-  return {.held = parameter, .decrement = 1e-3, .max_iterations = 15, .patient = false};
+/// Chi^2 to a share of what ends are known to, see OneSide::search().
+MinimiseOptions held_at(const Residuals& residuals, Eigen::Index parameter) {
+  return {.held = parameter,
+          .decrement = residuals.linear_in_conditions() ? 0.01 : 1e-3,
+          .max_iterations = 15,
+          .patient = false};
 }
 
 /// From a point inside a region to where the constrained minimum leaves it.
@@ -98,7 +102,7 @@ class OneSide {
     const double direction = limit > inside.z(index_) ? 1 : -1, end = place(limit);
     // What is looked at again where each point lies may be rough.
     const bool fine = !residuals_.linear_in_conditions();
-    const double enough = (where == Linear::at_each_point ? 0.03 : fine ? 0.004 : 0.05) * target();
+    const double enough = (where == Linear::at_each_point ? 0.03 : fine ? 0.004 : 0.15) * target();
     const double narrow = (fine ? 0.005 : 0.03) * std::max(sd_, 1e-12);
     std::optional<Point> outside;
     double least_outside = kInfinity;  ///< height
@@ -166,7 +170,7 @@ class OneSide {
     std::optional<Residuals> there;
     if (where == Linear::at_each_point && !there.emplace(residuals_).linearise(unknowns.values(start)))
       return std::nullopt;
-    const Minimum held = minimise(there ? *there : residuals_, start, held_at(index_));
+    const Minimum held = minimise(there ? *there : residuals_, start, held_at(residuals_, index_));
     if (!std::isfinite(held.chi2)) return std::nullopt;
     // Beyond mu2 = mu1 pulses would raise friction: no part of the model.
     if (!admissible(unknowns, held.z)) return Point{held.z, target()};
@@ -298,7 +302,7 @@ class ParameterProfile {
         continue;
       if (pieces_.holds(here->z(index_))) continue;
       if (!promises(here->z, rise)) continue;
-      const Minimum held = minimise(residuals_, here->z, held_at(index_));
+      const Minimum held = minimise(residuals_, here->z, held_at(residuals_, index_));
       if (!(held.chi2 < level_) || !admissible(unknowns_, held.z)) continue;
       if (held.chi2 < best_.chi2 - kLower && !settled_) {
         better = held;
