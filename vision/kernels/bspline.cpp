@@ -294,11 +294,12 @@ void QuinticSpline::sample_window(double x0, double y0, int width, int height, f
 
 void QuinticSpline::sample_tiles(double x0, double y0, const std::vector<TilePlace>& tiles,
                                  std::vector<const float*>& corners, float pivot, bool slopes,
-                                 TileArrays& arrays) const {
+                                 TileArrays& arrays, std::size_t tile, std::size_t end) const {
   const int ix = static_cast<int>(std::floor(x0));
   const int iy = static_cast<int>(std::floor(y0));
-  for (std::size_t t = 0; t < tiles.size(); ++t) corners[t] = coefficient(ix + tiles[t].x, iy + tiles[t].y);
-  vision::sample_tiles(corners, stride_, spline_taps(x0 - ix, y0 - iy), pivot, slopes, arrays);
+  end = std::min(end, tiles.size());
+  for (std::size_t t = tile; t < end; ++t) corners[t] = coefficient(ix + tiles[t].x, iy + tiles[t].y);
+  vision::sample_tiles(corners, stride_, spline_taps(x0 - ix, y0 - iy), pivot, slopes, arrays, tile, end);
 }
 
 namespace {

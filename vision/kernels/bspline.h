@@ -57,9 +57,11 @@ class QuinticSpline {
                      float* slope_y) const;
 
   /// The same over tiles whose first pixels are `tiles` pixels from (x0, y0), which must lie within the
-  /// picture grown by kPad - 3 px; values less `pivot`. `corners` is scratch of the tiles' number.
+  /// picture grown by kPad - 3 px; values less `pivot`. `corners` is scratch of the tiles' number. Of all
+  /// tiles or `tile` .. `end` - 1.
   void sample_tiles(double x0, double y0, const std::vector<TilePlace>& tiles,
-                    std::vector<const float*>& corners, float pivot, bool slopes, TileArrays& arrays) const;
+                    std::vector<const float*>& corners, float pivot, bool slopes, TileArrays& arrays,
+                    std::size_t tile = 0, std::size_t end = kAllTiles) const;
 
  private:
   const float* coefficient_row(int y) const {

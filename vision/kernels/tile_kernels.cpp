@@ -14,9 +14,10 @@ namespace {
 using Lanes = VectorOf<float, kTile>::type;  // a row of a tile
 
 TRIBOTRACK_KERNEL void sample_with(const std::vector<const float*>& corners, std::ptrdiff_t stride,
-                                   const SplineTaps& taps, float pivot, bool slopes, TileArrays& arrays) {
+                                   const SplineTaps& taps, float pivot, bool slopes, TileArrays& arrays,
+                                   std::size_t tile, std::size_t end) {
   constexpr int kRows = kTile + 5;
-  for (std::size_t t = 0; t < corners.size(); ++t) {
+  for (std::size_t t = tile; t < end; ++t) {
     Lanes smooth[kRows], slanted[kRows];
     for (int j = 0; j < kRows; ++j) {
       const float* c = corners[t] + (j - 2) * stride - 2;
@@ -75,9 +76,11 @@ TRIBOTRACK_KERNEL NormalSums normal_with(const TileArrays& arrays, std::size_t t
 }  // namespace
 
 TRIBOTRACK_CLONES void sample_tiles(const std::vector<const float*>& corners, std::ptrdiff_t stride,
-                                    const SplineTaps& taps, float pivot, bool slopes, TileArrays& arrays) {
-  slopes ? sample_with(corners, stride, taps, pivot, true, arrays)
-         : sample_with(corners, stride, taps, pivot, false, arrays);
+                                    const SplineTaps& taps, float pivot, bool slopes, TileArrays& arrays,
+                                    std::size_t tile, std::size_t end) {
+  end = std::min(end, corners.size());
+  slopes ? sample_with(corners, stride, taps, pivot, true, arrays, tile, end)
+         : sample_with(corners, stride, taps, pivot, false, arrays, tile, end);
 }
 
 bool take_levels(const Picture& picture, int left, int top, const std::vector<TilePlace>& tiles, float pivot,

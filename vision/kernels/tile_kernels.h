@@ -49,16 +49,17 @@ struct CorrelationSums {
 /// Sums of w J_i J_j, i <= j, row after row of the upper triangle: 10 numbers for 4 columns, 15 for 5.
 using NormalSums = std::array<double, 15>;
 
-/// Value (less `pivot`) and, where slopes is set, slopes of a spline in every tile. `corners[t]` is the
-/// coefficient at the whole pixel below tile t's first place; rows are `stride` apart.
+inline constexpr std::size_t kAllTiles = ~std::size_t{0};
+/// Value (less `pivot`) and, where slopes is set, slopes of a spline in the tiles `tile` .. `end` - 1.
+/// `corners[t]` is the coefficient at the whole pixel below tile t's first place; rows are `stride` apart.
 void sample_tiles(const std::vector<const float*>& corners, std::ptrdiff_t stride, const SplineTaps& taps,
-                  float pivot, bool slopes, TileArrays& arrays);
+                  float pivot, bool slopes, TileArrays& arrays, std::size_t tile = 0,
+                  std::size_t end = kAllTiles);
 /// Levels less `pivot` of the picture's pixels under tiles, whose first pixels lie (left, top) further in it;
 /// beyond the picture levels and weights become 0. Whether all of them lie in it.
 bool take_levels(const Picture& picture, int left, int top, const std::vector<TilePlace>& tiles, float pivot,
                  std::vector<float>& level, std::vector<float>& weight);
 /// Over all tiles or `tile` .. `end` - 1, as the next; the force of a column that is not there is 0.
-inline constexpr std::size_t kAllTiles = ~std::size_t{0};
 ForceSums force_sums(const TileArrays& arrays, float a, float b, std::size_t tile = 0,
                      std::size_t end = kAllTiles);
 NormalSums normal_sums(const TileArrays& arrays, std::size_t tile = 0, std::size_t end = kAllTiles);

@@ -7,6 +7,7 @@
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/parallel.h"
 #include "vision/kernels/plane.h"
 
 namespace tribotrack::vision {
@@ -72,10 +73,24 @@ void shrink(Picture& seen) {
   cv::erode(of, of, cv::Mat::ones(2 * kBorder + 1, 2 * kBorder + 1, CV_8U));
 }
 
+/// In so many parts whatever the number of threads: the sums' rounding is the same.
+PlaceSums sums_of(const std::vector<Placed>& frames, const Rect& place, const Ground* before, float outlier,
+                  int threads) {
+  constexpr std::size_t kParts = 8;
+  std::vector<PlaceSums> parts(kParts, PlaceSums(place));
+  parallel_for(kParts, threads, [&](std::size_t part, std::size_t) {
+    for (std::size_t k = part; k < frames.size(); k += kParts)
+      add(frames[k], place, before, outlier, parts[part]);
+  });
+  for (std::size_t part = 1; part < kParts; ++part)
+    for (Picture PlaceSums::*of : {&PlaceSums::sum, &PlaceSums::squares, &PlaceSums::count})
+      matrix_of(parts.front().*of) += matrix_of(parts[part].*of);
+  return std::move(parts.front());
+}
+
 Ground mean_of(const std::vector<Placed>& frames, const Rect& place, const Ground* before,
-               double noise_variance, float outlier = kOutlier) {
-  PlaceSums sums(place);
-  for (const Placed& p : frames) add(p, place, before, outlier, sums);
+               double noise_variance, int threads, float outlier = kOutlier) {
+  const PlaceSums sums = sums_of(frames, place, before, outlier, threads);
   const float fewest = std::max(2.0F, kKnownShare * static_cast<float>(frames.size()));
   Ground ground;
   ground.place = place;
@@ -127,17 +142,17 @@ void in_mean_light(std::vector<Placed>& frames) {
 /// was taken to lie: rounds go on until that no longer matters.
 class Learning {
  public:
-  Learning(const std::vector<GroundFrame>& frames, const Rect& place, double noise_variance)
-      : frames_(frames), place_(place), noise_variance_(noise_variance) {
+  Learning(const std::vector<GroundFrame>& frames, const Rect& place, double noise_variance, int threads)
+      : frames_(frames), place_(place), noise_variance_(noise_variance), threads_(threads) {
     learnt_.fixes.resize(frames.size());
     for (const GroundFrame& f : frames) placed_.push_back(Placed{&f, f.start});
-    const Ground all = mean_of(placed_, place_, nullptr, noise_variance_);
-    learnt_.ground = mean_of(placed_, place_, &all, noise_variance_, kOutlierAtFirst);
+    const Ground all = mean_of(placed_, place_, nullptr, noise_variance_, threads_);
+    learnt_.ground = mean_of(placed_, place_, &all, noise_variance_, threads_, kOutlierAtFirst);
   }
 
   /// How far the frames have moved against each other, sd rms.
   double round() {
-    GroundRegistration registration(learnt_.ground);
+    GroundRegistration registration(learnt_.ground, threads_);
     learnt_.excess.setZero();
     std::vector<Placed> placed;
     std::vector<Eigen::Vector2d> moves;
@@ -160,7 +175,7 @@ class Learning {
     if (moves.empty()) return 0;
     in_mean_light(placed_);
     learnt_.excess /= static_cast<double>(moves.size());
-    learnt_.ground = mean_of(placed_, place_, &learnt_.ground, noise_variance_);
+    learnt_.ground = mean_of(placed_, place_, &learnt_.ground, noise_variance_, threads_);
     common /= static_cast<double>(moves.size());  // it moves the grid
     double squares = 0;
     for (std::size_t k = 0; k < moves.size(); ++k)
@@ -186,6 +201,7 @@ class Learning {
   const std::vector<GroundFrame>& frames_;
   Rect place_;
   double noise_variance_;
+  int threads_;
   std::vector<Placed> placed_;  ///< those that could be registered
   LearntGround learnt_;
 };
@@ -193,8 +209,8 @@ class Learning {
 }  // namespace
 
 std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames, const Rect& place,
-                                         double noise_variance, int most_rounds) {
-  Learning learning(frames, place, noise_variance);
+                                         double noise_variance, int most_rounds, int threads) {
+  Learning learning(frames, place, noise_variance, threads);
   for (int round = 0; round < most_rounds; ++round) {
     const double moved = learning.round();
     if (!learning.enough()) return std::nullopt;

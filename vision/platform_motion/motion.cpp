@@ -108,7 +108,11 @@ class GroundFollower {
  public:
   GroundFollower(FrameSource& source, std::int64_t first, const GroundMotionOptions& options,
                  const LearntGround& learnt)
-      : source_(source), options_(options), learnt_(learnt), registration_(learnt.ground), first_(first) {
+      : source_(source),
+        options_(options),
+        learnt_(learnt),
+        registration_(learnt.ground, options.threads),
+        first_(first) {
     registration_.set_excess(learnt.excess);
   }
 
@@ -237,7 +241,8 @@ GroundMotion follow_ground(FrameSource& source, std::int64_t first, std::int64_t
   std::optional<LearntGround> learnt;
   {
     const GroundSample sample = sample_ground(source, first, last, kGroundLearning, options);
-    learnt = learn_ground(sample.frames, sample.place, options.noise_variance, kGroundLearning.rounds);
+    learnt = learn_ground(sample.frames, sample.place, options.noise_variance, kGroundLearning.rounds,
+                          options.threads);
     motion.learnt_from = static_cast<int>(sample.frames.size());
   }
   motion.verdict = verdict_on(learnt);

@@ -71,8 +71,8 @@ struct GroundFix {
 
 class GroundRegistration {
  public:
-  /// Keeps a reference.
-  explicit GroundRegistration(const Ground& ground);
+  /// Keeps a reference. The result is the same for any number of threads.
+  explicit GroundRegistration(const Ground& ground, int threads = 1);
 
   /// Nothing where it does not converge within kFarthest of the start.
   std::optional<GroundFix> refine(const GroundFrame& frame, const Point& start);
@@ -93,6 +93,7 @@ class GroundRegistration {
   struct Block {
     std::size_t first = 0, end = 0;
     NormalSums sums{};
+    std::size_t trimmed = 0;  ///< pixels
   };
   /// Of the columns -a slope_x, -a slope_y, value, offsets taken out.
   struct Fit {
@@ -101,16 +102,17 @@ class GroundRegistration {
     double squares = 0, of_levels = 0, pixels = 0;
   };
   bool take(const GroundFrame& frame, int whole_x, int whole_y);
-  void sample(const Point& fraction);
-  std::optional<Fit> solve();
+  void sample(Block& block, const Point& fraction);
+  std::optional<Fit> solve(const Point& fraction);
   std::size_t trim(const Fit& fit);
+  std::size_t trim_block(const Block& block, const Fit& fit);
   void note_scatter(const Fit& fit);
 
   const Ground& ground_;
+  int threads_;
   std::vector<TilePlace> places_;
   std::vector<Block> blocks_;
   std::vector<float> known_;  ///< 1 / V, 0 where the ground is not known
-  std::vector<float> shown_;  ///< of it, what the frame shows
   TileArrays arrays_;         ///< slope_theta holds the level: the fifth column of the sums
   std::vector<const float*> corners_;
   Eigen::Matrix2d normal_, scatter_, excess_ = Eigen::Matrix2d::Identity();
@@ -157,10 +159,11 @@ struct LearntGround {
 /// pixel, the least that is believed. Nothing where too few frames can be registered: the ground shows
 /// nothing.
 std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames, const Rect& place,
-                                         double noise_variance, int most_rounds);
+                                         double noise_variance, int most_rounds, int threads = 1);
 
 struct GroundMotionOptions {
   double noise_variance = 1.0 / 12;  ///< of a pixel, grey levels^2: the least that is believed
+  int threads = 1;                   ///< the result is the same for any number
   /// What lies over the ground in a frame: the part with its shadow, a lamp. Others that cross are trimmed.
   std::function<std::vector<Circle>(std::int64_t index)> hidden = [](std::int64_t) {
     return std::vector<Circle>{};

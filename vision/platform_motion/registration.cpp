@@ -6,6 +6,7 @@
 #include <span>
 
 #include "vision/kernels/dense.h"
+#include "vision/kernels/parallel.h"
 #include "vision/kernels/plane.h"
 #include "vision/kernels/tile_kernels.h"
 
@@ -15,7 +16,7 @@ namespace {
 constexpr int kBlock = 32;      ///< px: many widths of a texture, and light is even over it
 constexpr double kOutlier = 4;  ///< sd
 constexpr int kMostIterations = 20;
-constexpr int kMostTrims = 4;
+constexpr double kClose = 0.03;      ///< px: what is left of a step then makes no outliers of a ground
 constexpr double kTolerance = 0.02;  ///< of the standard deviation: adds a thousandth to it
 constexpr double kLeastSeen = 0.25;  ///< of the pixels
 
@@ -47,7 +48,8 @@ double counted(const std::vector<float>& weights) {
 
 }  // namespace
 
-GroundRegistration::GroundRegistration(const Ground& ground) : ground_(ground) {
+GroundRegistration::GroundRegistration(const Ground& ground, int threads)
+    : ground_(ground), threads_(threads) {
   Picture weight = ground.variance;
   for (std::size_t i = 0; i < weight.levels().size(); ++i)
     weight.levels()[i] = ground.seen.levels()[i] > 0 ? 1 / weight.levels()[i] : 0;
@@ -64,10 +66,10 @@ GroundRegistration::GroundRegistration(const Ground& ground) : ground_(ground) {
   arrays_.slope_theta.resize(known_.size());
   arrays_.weight = known_;
   corners_.resize(places_.size());
-  sample({0, 0});
   double squares = 0, sum = 0;
-  for (const Block& b : blocks_) {
-    const WithoutOffset sums(normal_sums(arrays_, b.first, b.end));
+  for (Block& b : blocks_) {
+    sample(b, {0, 0});
+    const WithoutOffset sums(b.sums);
     squares += sums.normal(2, 2);
     sum += sums.weight;
   }
@@ -77,33 +79,34 @@ GroundRegistration::GroundRegistration(const Ground& ground) : ground_(ground) {
 /// Grey levels under the ground moved by whole pixels. False where too little of it is seen.
 bool GroundRegistration::take(const GroundFrame& frame, int whole_x, int whole_y) {
   const int left = ground_.place.x + whole_x, top = ground_.place.y + whole_y;
-  shown_ = known_;
+  arrays_.weight = known_;
   take_levels(frame.picture, left - frame.window.x, top - frame.window.y, places_, ground_.level,
-              arrays_.level, shown_);
+              arrays_.slope_theta, arrays_.weight);
   for (std::size_t t = 0; t < places_.size(); ++t) {
     const Rect tile{left + places_[t].x, top + places_[t].y, kTile, kTile};
     for (const Circle& c : frame.hidden) {
       if (!touches(tile, c)) continue;
       for (std::size_t k = 0; k < kTilePixels; ++k)
         if (in_circle(c, tile.x + static_cast<int>(k % kTile), tile.y + static_cast<int>(k / kTile)))
-          shown_[t * kTilePixels + k] = 0;
+          arrays_.weight[t * kTilePixels + k] = 0;
     }
   }
-  arrays_.slope_theta = arrays_.level;
-  arrays_.weight = shown_;
-  return counted(shown_) > kLeastSeen * pixels_;
+  return counted(arrays_.weight) > kLeastSeen * pixels_;
 }
 
-void GroundRegistration::sample(const Point& fraction) {
-  ground_.less.sample_tiles(-fraction.x, -fraction.y, places_, corners_, 0, true, arrays_);
+/// The ground under a block, moved by a fraction of a pixel, and the block's sums.
+void GroundRegistration::sample(Block& block, const Point& fraction) {
+  ground_.less.sample_tiles(-fraction.x, -fraction.y, places_, corners_, 0, true, arrays_, block.first,
+                            block.end);
+  block.sums = normal_sums(arrays_, block.first, block.end);
 }
 
-std::optional<GroundRegistration::Fit> GroundRegistration::solve() {
+std::optional<GroundRegistration::Fit> GroundRegistration::solve(const Point& fraction) {
+  parallel_for(blocks_.size(), threads_, [&](std::size_t k, std::size_t) { sample(blocks_[k], fraction); });
   Fit fit;
   fit.normal.setZero();
   fit.force.setZero();
-  for (Block& b : blocks_) {
-    b.sums = normal_sums(arrays_, b.first, b.end);
+  for (const Block& b : blocks_) {
     const WithoutOffset sums(b.sums);
     fit.normal += sums.normal;
     fit.force += sums.force;
@@ -120,27 +123,34 @@ std::optional<GroundRegistration::Fit> GroundRegistration::solve() {
 
 /// Leaves out what cannot be noise. Returns how many pixels.
 std::size_t GroundRegistration::trim(const Fit& fit) {
+  parallel_for(blocks_.size(), threads_,
+               [&](std::size_t k, std::size_t) { blocks_[k].trimmed = trim_block(blocks_[k], fit); });
+  std::size_t count = 0;
+  for (const Block& b : blocks_) count += b.trimmed;
+  return count;
+}
+
+std::size_t GroundRegistration::trim_block(const Block& block, const Fit& fit) {
+  // Sums of w value, w and w level.
+  if (!(block.sums[12] > 0)) return 0;
   const auto gain = static_cast<float>(fit.solution(2));
   const auto limit = static_cast<float>(kOutlier * kOutlier * std::max(1.0, fit.squares / fit.pixels));
-  std::size_t count = 0;
-  for (const Block& b : blocks_) {
-    // Sums of w value, w and w level.
-    if (!(b.sums[12] > 0)) continue;
-    const auto offset = static_cast<float>((b.sums[13] - fit.solution(2) * b.sums[10]) / b.sums[12]);
-    const std::size_t first = b.first * kTilePixels, end = b.end * kTilePixels;
-    std::vector<unsigned char> outliers(end - first);
-    for (std::size_t i = first; i < end; ++i) {
-      const float r = arrays_.level[i] - gain * arrays_.value[i] - offset;
-      outliers[i - first] = shown_[i] * r * r > limit;
-      arrays_.weight[i] = shown_[i];
-    }
-    spread_outliers(std::span(places_).subspan(b.first, b.end - b.first), outliers);
-    for (std::size_t i = first; i < end; ++i)
-      if (outliers[i - first] != 0 && shown_[i] > 0) {
-        arrays_.weight[i] = 0;
-        ++count;
-      }
+  const auto offset =
+      static_cast<float>((block.sums[13] - fit.solution(2) * block.sums[10]) / block.sums[12]);
+  const std::size_t first = block.first * kTilePixels, end = block.end * kTilePixels;
+  std::vector<unsigned char> outliers(end - first);
+  for (std::size_t i = first; i < end; ++i) {
+    const float r = arrays_.slope_theta[i] - gain * arrays_.value[i] - offset;
+    outliers[i - first] = arrays_.weight[i] * r * r > limit;
   }
+  if (std::ranges::find(outliers, 1) == outliers.end()) return 0;
+  spread_outliers(std::span(places_).subspan(block.first, block.end - block.first), outliers);
+  std::size_t count = 0;
+  for (std::size_t i = first; i < end; ++i)
+    if (outliers[i - first] != 0 && arrays_.weight[i] > 0) {
+      arrays_.weight[i] = 0;
+      ++count;
+    }
   return count;
 }
 
@@ -165,13 +175,10 @@ std::optional<GroundFix> GroundRegistration::refine(const GroundFrame& frame, co
   int whole_x = static_cast<int>(std::lround(start.x)), whole_y = static_cast<int>(std::lround(start.y));
   Point fraction{start.x - whole_x, start.y - whole_y};
   if (!take(frame, whole_x, whole_y)) return std::nullopt;
-  std::size_t trimmed = 0;
-  int trims = 0;
+  bool trimmed = false, converged = false;
   std::optional<Fit> fit;
-  bool converged = false;
   for (int k = 0; k < kMostIterations && !converged; ++k) {
-    sample(fraction);
-    fit = solve();
+    fit = solve(fraction);
     if (!fit) return std::nullopt;
     const Eigen::Vector2d step = fit->solution.head<2>() / std::max(std::abs(fit->solution(2)), 1e-3);
     const double length = step.norm();
@@ -180,14 +187,6 @@ std::optional<GroundFix> GroundRegistration::refine(const GroundFrame& frame, co
     fraction.y += brake * step.y();
     if (std::hypot(whole_x + fraction.x - start.x, whole_y + fraction.y - start.y) > kFarthest)
       return std::nullopt;
-    // In units of what is known: along a brush that is less.
-    const bool settled =
-        brake == 1 && step.dot(fit->normal.topLeftCorner<2, 2>() * step) < kTolerance * kTolerance;
-    if (settled) {
-      const std::size_t before = trimmed;
-      trimmed = trims < kMostTrims ? trim(*fit) : trimmed;
-      converged = trims++ >= kMostTrims || trimmed == before;
-    }
     if (std::abs(fraction.x) > 0.75 || std::abs(fraction.y) > 0.75) {
       const int dx = static_cast<int>(std::lround(fraction.x)),
                 dy = static_cast<int>(std::lround(fraction.y));
@@ -196,9 +195,15 @@ std::optional<GroundFix> GroundRegistration::refine(const GroundFrame& frame, co
       fraction.x -= dx;
       fraction.y -= dy;
       if (!take(frame, whole_x, whole_y)) return std::nullopt;
-      trimmed = 0;
-      converged = false;
+      trimmed = false;
+      continue;
     }
+    if (!trimmed && length < kClose) {
+      trimmed = true;
+      if (trim(*fit) > 0) continue;
+    }
+    // In units of what is known: along a brush that is less.
+    converged = trimmed && step.dot(fit->normal.topLeftCorner<2, 2>() * step) < kTolerance * kTolerance;
   }
   if (!converged || !(fit->solution(2) > 0)) return std::nullopt;
   note_scatter(*fit);

@@ -140,6 +140,7 @@ void follow_platform(FrameSource& source, const FirstPassResult& first, const Tr
   const std::vector<Point> path = path_of(track, part.centre);
   GroundMotionOptions ground;
   ground.noise_variance = first.noise_variance;
+  ground.threads = options.threads;
   ground.hidden = [&](std::int64_t index) {
     return over_ground(path[static_cast<std::size_t>(index - first.first_index)], part, options);
   };
