@@ -13,7 +13,6 @@
 #include "vision/discs/rim_steps.h"
 #include "vision/kernels/median.h"
 #include "vision/kernels/plane.h"
-#include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -51,73 +50,17 @@ std::vector<Edge> edges_of(const cv::Mat& level) {
   return edges;
 }
 
-/// out(i) = sum of a, b, c at i - 1, i, i + 1, and the largest of them.
-TRIBOTRACK_CLONES std::uint16_t gathered(const std::uint16_t* a, const std::uint16_t* b,
-                                         const std::uint16_t* c, int count, std::uint16_t* columns,
-                                         std::uint16_t* out) {
-  for (int i = 0; i < count + 2; ++i) columns[i] = static_cast<std::uint16_t>(a[i - 1] + b[i - 1] + c[i - 1]);
-  std::uint16_t top = 0;
-  for (int i = 0; i < count; ++i) {
-    out[i] = static_cast<std::uint16_t>(columns[i] + columns[i + 1] + columns[i + 2]);
-    top = std::max(top, out[i]);
-  }
-  return top;
+/// Votes for the centre of circles of one radius, each gathered from 3 x 3 px. `radius` is negative where the
+/// inside is the brighter.
+cv::Mat votes_for(const std::vector<Edge>& edges, cv::Size size, float radius) {
+  constexpr int kPad = kSearchMax + 1;  // votes beyond the picture need not be told from others
+  cv::Mat cells = cv::Mat::zeros(size.height + 2 * kPad, size.width + 2 * kPad, CV_16U), gathered;
+  for (const Edge& e : edges)
+    ++cells.at<std::uint16_t>(static_cast<int>(e.y + radius * e.uy + (kPad + 0.5F)),
+                              static_cast<int>(e.x + radius * e.ux + (kPad + 0.5F)));
+  cv::boxFilter(cells, gathered, -1, {3, 3}, {-1, -1}, false, cv::BORDER_CONSTANT);
+  return gathered({kPad, kPad, size.width, size.height});
 }
-
-/// Votes for the centre of circles of one radius, each gathered from 3 x 3 px.
-class Votes {
- public:
-  explicit Votes(cv::Size size)
-      : width_(size.width),
-        height_(size.height),
-        stride_(static_cast<std::size_t>(width_ + 2 * kPad)),
-        cells_(stride_ * static_cast<std::size_t>(height_ + 2 * kPad)),
-        gathered_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)),
-        columns_(static_cast<std::size_t>(width_ + 2)),
-        tops_(static_cast<std::size_t>(height_)) {}
-
-  /// `radius` is negative where the inside is the brighter.
-  void cast(const std::vector<Edge>& edges, float radius) {
-    std::ranges::fill(cells_, std::uint16_t{0});
-    for (const Edge& e : edges) {
-      const int x = static_cast<int>(e.x + radius * e.ux + (kPad + 0.5F));
-      const int y = static_cast<int>(e.y + radius * e.uy + (kPad + 0.5F));
-      ++cells_[static_cast<std::size_t>(y) * stride_ + static_cast<std::size_t>(x)];
-    }
-    for (int y = 0; y < height_; ++y) {
-      const std::uint16_t* row = cells_.data() + static_cast<std::size_t>(y + kPad) * stride_ + kPad;
-      tops_[static_cast<std::size_t>(y)] =
-          gathered(row - stride_, row, row + stride_, width_, columns_.data(), gathered_row(y));
-    }
-  }
-
-  /// The place of the most votes, and how many.
-  std::pair<cv::Point, int> top() {
-    const auto highest = std::ranges::max_element(tops_);
-    const int y = static_cast<int>(highest - tops_.begin());
-    const std::uint16_t* row = gathered_row(y);
-    return {{static_cast<int>(std::find(row, row + width_, *highest) - row), y}, *highest};
-  }
-
-  void forget_about(cv::Point place, int reach) {
-    for (int y = std::max(0, place.y - reach); y <= std::min(height_ - 1, place.y + reach); ++y) {
-      const int half = static_cast<int>(std::sqrt(reach * reach - (y - place.y) * (y - place.y)));
-      std::uint16_t* row = gathered_row(y);
-      std::fill(row + std::max(0, place.x - half), row + std::min(width_ - 1, place.x + half) + 1,
-                std::uint16_t{0});
-      tops_[static_cast<std::size_t>(y)] = *std::max_element(row, row + width_);
-    }
-  }
-
- private:
-  static constexpr int kPad = kSearchMax + 1;  ///< votes beyond the picture need not be told from others
-  std::uint16_t* gathered_row(int y) {
-    return gathered_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
-  }
-  int width_, height_;
-  std::size_t stride_;
-  std::vector<std::uint16_t> cells_, gathered_, columns_, tops_;
-};
 
 /// Circles of kSearchMin .. kSearchMax px on one level of the pyramid, in the picture's pixels.
 std::vector<Circle> vote(const cv::Mat& level, double scale) {
@@ -125,14 +68,15 @@ std::vector<Circle> vote(const cv::Mat& level, double scale) {
   constexpr double least = 0.35;  // votes over the pixels of the circle
   const std::vector<Edge> edges = edges_of(level);
   std::vector<Circle> out;
-  Votes votes(level.size());
   for (const float sign : {1.0F, -1.0F})
     for (int r = kSearchMin; r <= kSearchMax; ++r) {
-      votes.cast(edges, sign * static_cast<float>(r));
+      cv::Mat votes = votes_for(edges, level.size(), sign * static_cast<float>(r));
       for (int k = 0; k < most; ++k) {
-        const auto [place, count] = votes.top();
+        double count = 0;
+        cv::Point place;
+        cv::minMaxLoc(votes, nullptr, &count, nullptr, &place);
         if (count < least * 2 * std::numbers::pi * r) break;
-        votes.forget_about(place, r / 2);
+        cv::circle(votes, place, r / 2, 0, cv::FILLED);
         // Pixel centres at integers: averaging blocks shifts them by half a block.
         out.push_back({(place.x + 0.5) * scale - 0.5, (place.y + 0.5) * scale - 0.5, r * scale});
       }
