@@ -188,10 +188,10 @@ inline constexpr double kQuietTemplate = 0.002;  ///< relative variance below wh
 // A coder leaves marks of its own where it drops the noise, and drops them anew in later frames: they stand
 // out of the noise between frames as scratches would, but do not come again with the part.
 
-/// Follows the disc through the frames after `index` (up to `last`), its rotation included, and compares what
-/// differs along its rings with the first frame: also with the disc not turned, for a lamp's reflection
-/// stands still. False only where it is found and neither is seen again.
+/// Follows the disc, whose edge has that blur, through the frames after `index` (up to `last`), its rotation
+/// included, and asks its rings (vision/rotation/rotation.h). False only where it is found and they do not
+/// look as in the first frame at any angle.
 bool texture_returns(FrameSource& source, const Picture& first, std::int64_t index, std::int64_t last,
-                     const Pattern& disc, const FollowOptions& follow);
+                     const Pattern& disc, double blur, const FollowOptions& follow);
 
 }  // namespace tribotrack::vision

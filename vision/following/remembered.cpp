@@ -9,6 +9,7 @@
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/median.h"
 #include "vision/kernels/plane.h"
+#include "vision/rotation/rotation.h"
 
 namespace tribotrack::vision {
 
@@ -144,98 +145,20 @@ AveragedTemplate quiet_template(FrameSource& source, const Picture& first, std::
   return out;
 }
 
-namespace {
-
-constexpr int kFrames = 16;         ///< followed
-constexpr int kSoonest = 6;         ///< frames after the first: a coder repeats what it has for some
-constexpr std::size_t kFewest = 4;  ///< comparisons from which to conclude
-constexpr double kRim = 2.5;        ///< px inside the rim that are not texture
-constexpr double kReturns = 0.3;    ///< of the correlation that the noise leaves
-constexpr int kSplineBorder = 8;    ///< px for the spline
-
-/// Pixels of the disc's inside, about its centre, and the levels there less the mean of their ring.
-struct Rings {
-  std::vector<double> u, v;
-  std::vector<std::size_t> ring;
-
-  explicit Rings(const Pattern& disc) {
-    const Rect& w = disc.window;
-    for (int y = 0; y < w.height; ++y)
-      for (int x = 0; x < w.width; ++x) {
-        const double du = w.x + x - disc.centre.x, dv = w.y + y - disc.centre.y;
-        const double rho = std::hypot(du, dv);
-        if (disc.weights.at(x, y) == 0 || rho > disc.radius - kRim) continue;
-        u.push_back(du);
-        v.push_back(dv);
-        ring.push_back(static_cast<std::size_t>(rho));
-      }
-  }
-  void take_out_means(std::vector<float>& levels) const {
-    std::vector<double> sum, count;
-    for (std::size_t k = 0; k < levels.size(); ++k) {
-      if (ring[k] >= sum.size()) {
-        sum.resize(ring[k] + 1);
-        count.resize(ring[k] + 1);
-      }
-      sum[ring[k]] += static_cast<double>(levels[k]);
-      count[ring[k]] += 1;
-    }
-    for (std::size_t k = 0; k < levels.size(); ++k)
-      levels[k] -= static_cast<float>(sum[ring[k]] / count[ring[k]]);
-  }
-  /// Of a picture whose first pixel is (left, top), the disc's centre at (x, y) and turned.
-  std::vector<float> levels(const QuinticSpline& picture, double x, double y, double theta) const {
-    const double c = std::cos(theta), s = std::sin(theta);
-    std::vector<float> px(u.size()), py(u.size()), out(u.size());
-    for (std::size_t k = 0; k < u.size(); ++k) {
-      px[k] = static_cast<float>(x + c * u[k] + s * v[k]);
-      py[k] = static_cast<float>(y - s * u[k] + c * v[k]);
-    }
-    picture.sample_places(px, py, out.data(), nullptr, nullptr);
-    take_out_means(out);
-    return out;
-  }
-};
-
-double dot(const std::vector<float>& a, const std::vector<float>& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += static_cast<double>(a[k]) * static_cast<double>(b[k]);
-  return sum;
-}
-
-}  // namespace
-
 bool texture_returns(FrameSource& source, const Picture& first, std::int64_t index, std::int64_t last,
-                     const Pattern& disc, const FollowOptions& options) {
-  const Rings rings(disc);
-  if (rings.u.size() < 20) return true;
-  const double reach = disc.radius + kSplineBorder;
-  Picture picture;
-  const auto levels = [&](std::int64_t frame, const Point& centre, double theta) {
-    const Rect window = window_about(centre, reach, source.bounds());
-    source.read(frame, window, picture);
-    return rings.levels(QuinticSpline(picture), centre.x - window.x, centre.y - window.y, theta);
-  };
-  const std::vector<float> texture = levels(index, disc.centre, 0);
-  const double square = dot(texture, texture);
-  const double noise = options.noise_variance * static_cast<double>(texture.size());
-  const double expected = 1 - noise / std::max(square, noise);
-
+                     const Pattern& disc, double blur, const FollowOptions& options) {
+  constexpr int kFrames = 16;
+  constexpr int kSoonest = 6;         // frames after the first: a coder repeats what it has for some
+  constexpr std::size_t kFewest = 4;  // comparisons from which to conclude
   FollowOptions follow = options;
   follow.rotation = true;
-  std::vector<double> seen;
-  for (const Seen& s : follow_some(source, first, index, std::min(last, index + kFrames), disc, follow)) {
-    if (s.index - index < kSoonest) continue;
-    double best = -1;
-    for (const double theta : {s.pose.theta, 0.0}) {
-      const std::vector<float> here =
-          levels(s.index, {disc.centre.x + s.pose.dx, disc.centre.y + s.pose.dy}, theta);
-      best = std::max(best, dot(texture, here) / std::sqrt(square * std::max(1e-9, dot(here, here))));
-    }
-    seen.push_back(best);
-  }
-  if (seen.size() < kFewest) return true;
-  return median(seen) >= kReturns * expected;
+  std::vector<FirstPassFrame> frames{{.index = index, .centre = disc.centre}};
+  for (const Seen& s : follow_some(source, first, index, std::min(last, index + kFrames), disc, follow))
+    if (s.index - index >= kSoonest)
+      frames.push_back({.index = s.index, .centre = {disc.centre.x + s.pose.dx, disc.centre.y + s.pose.dy}});
+  if (frames.size() <= kFewest) return true;
+  return !RingHarmonics(disc.radius, blur).usable() ||
+         !follow_rotation(source, frames, disc.radius, blur).empty();
 }
 
 }  // namespace tribotrack::vision

@@ -91,9 +91,9 @@ void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const 
   constexpr double kAnyAngle = 10;  // rad: rotation is not visible at all
   const double limit = trial.limit_theta();
   const bool visible = limit < kRotationLimit;
-  const bool on =
-      visible && (setup.pattern.radius == 0 ||
-                  texture_returns(source, first, range.first, range.last, setup.pattern, setup.follow));
+  const bool on = visible && (setup.pattern.radius == 0 ||
+                              texture_returns(source, first, range.first, range.last, setup.pattern,
+                                              summary.disc_blur, setup.follow));
   setup.result.texture_seen = visible;
   setup.result.turning = setup.follow.rotation = on;
   summary.plan.push_back(
