@@ -70,7 +70,7 @@ Point unnoticed_motion(const Picture& picture, const Circle& rim, double margin)
 namespace {
 
 constexpr double kPlay = 0.58;               ///< half width of the play over d0
-constexpr double kMoving = 0.25;             ///< of its variance, where a vector follows the part
+constexpr double kMoving = 0.2;              ///< of its variance, where a vector follows the part
 constexpr double kVector = 0.125;            ///< px: half of what a vector's last digit stands for
 constexpr double kBlocks = 1.4, kStill = 3;  ///< of the measured law
 

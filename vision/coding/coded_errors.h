@@ -8,9 +8,9 @@
 // shares it. Measured, b = 0.58 d0, so
 //   var = s d0^2 / 6,
 // s = 1 where the part moves by less than d0, or than half the quarter of a pixel that vectors are counted
-// in, from frame to frame; where it moves faster a vector follows it, and s = 1/4. On recordings of a disc
+// in, from frame to frame; where it moves faster a vector follows it, and s = 1/5. On recordings of a disc
 // (x264, crf 15 to 28, presets veryfast and medium, with and without B frames, mpeg4; motion of 0.05 to 1 px
-// a frame) errors are 0.5 to 1.5 of the standard deviations that come out, to 1.9 with the preset veryfast,
+// a frame) errors are 0.5 to 1.5 of the standard deviations that come out, to 2 with the preset veryfast,
 // which looks for vectors less: two-way prediction and finer decisions leave less.
 //
 // Where the coder tells no steps (HEVC, VP9, AV1) the measured law of such recordings,
