@@ -76,8 +76,6 @@ class TemplateRegistration {
   Picture at(const Pose& pose, const Rect& window) const;
   /// Cramer-Rao bound of (dx, dy) for the template itself, px^2.
   Eigen::Matrix2d limit() const { return limit_; }
-  /// Same for the rotation alone, see pattern.h.
-  double limit_theta() const { return limit_theta_; }
   const Pattern& pattern() const { return pattern_; }
   double contrast() const { return contrast_; }
   double area() const { return area_; }
@@ -111,7 +109,6 @@ class TemplateRegistration {
   double pixels_ = 0;                ///< number of pixels that take part
   double template_noise_cost_ = 0;
   Eigen::Matrix2d limit_ = Eigen::Matrix2d::Zero();
-  double limit_theta_ = 0;
 
   std::vector<TilePlace> places_;  ///< in the window
   std::vector<float> mask_;        ///< weights of the tiles' pixels, those beyond the window 0

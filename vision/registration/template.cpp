@@ -51,7 +51,6 @@ void TemplateRegistration::choose_pixels() {
   Picture value(w.width, w.height), slope_x(w.width, w.height), slope_y(w.width, w.height);
   spline_.sample_window(w.x - spline_x_, w.y - spline_y_, w.width, w.height, value.levels().data(),
                         slope_x.levels().data(), slope_y.levels().data());
-  limit_theta_ = rotation_limit(value, pattern_, options_.noise_variance);
   const double noise_square = 2 * template_noise() * quintic_noise(0).slope * quintic_noise(0).value;
   const Picture mask = informative_pixels(slope_x, slope_y, pattern_.weights, noise_square);
   places_ = cover_with_tiles(mask);

@@ -54,6 +54,8 @@ class RingHarmonics {
   double reach() const;
   /// `window` is a part of the frame, the disc's centre at `centre` in it.
   Harmonics of(const Picture& window, const Point& centre);
+  /// Pixels that are averaged before.
+  int averaged() const { return reduction_ * reduction_; }
   /// Pixels that a coefficient stands for, 0 for those left out; rows and columns as in Harmonics.
   const Eigen::ArrayXXf& weights() const { return weights_; }
 
@@ -68,6 +70,12 @@ class RingHarmonics {
   Picture reduced_;
   std::vector<float> x_, y_, levels_;
 };
+
+/// Cramer-Rao bound of the rotation from one frame, rad; 1e9 where no texture stands out of the noise. A
+/// coefficient that stands for w pixels has the noise sigma^2 / (2 pi w), so the harmonics tell
+///   sum m^2 |P|^2 4 pi w / sigma^2
+/// of the angle, less the 2 m^2 each that noise alone makes of it.
+double rotation_limit(const Picture& frame, const Circle& part, double blur, double noise_variance);
 
 // How far a disc has turned since the first frame, from the harmonics of its rings.
 //

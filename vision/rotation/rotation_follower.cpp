@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/io/levels.h"
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/plane.h"
 
@@ -78,6 +79,28 @@ Harmonics RingHarmonics::of(const Picture& window, const Point& centre) {
     for (int m = 0; m < angles_ / 2; ++m)
       out(m, k) = spectrum.at<std::complex<float>>(k, m) / static_cast<float>(angles_);
   return out;
+}
+
+double rotation_limit(const Picture& frame, const Circle& part, double blur, double noise_variance) {
+  constexpr double kNone = 1e9, kStandsOut = 5;  // sd of what noise alone would make
+  RingHarmonics rings(part.radius, blur);
+  if (!rings.usable()) return kNone;
+  const Rect place = window_about({part.x, part.y}, rings.reach(), bounds_of(frame));
+  const Harmonics seen = rings.of(part_of(frame, place), {part.x - place.x, part.y - place.y});
+  const double noise = noise_variance / rings.averaged();
+  // High orders are mostly noise, and tell most of an angle: whether there is a texture all tell alike.
+  double information = 0, power = 0, count = 0;
+  for (Eigen::Index m = 0; m < seen.rows(); ++m)
+    for (Eigen::Index k = 0; k < seen.cols(); ++k) {
+      const auto pixels = static_cast<double>(rings.weights()(m, k));
+      if (!(pixels > 0)) continue;
+      const double beyond = 2 * pi * pixels * static_cast<double>(std::norm(seen(m, k))) - noise;
+      information += 2 * static_cast<double>(m * m) * beyond;
+      power += beyond;
+      ++count;
+    }
+  const bool seen_at_all = power > kStandsOut * noise * std::sqrt(count) && information > 0;
+  return seen_at_all ? std::sqrt(noise / information) : kNone;
 }
 
 namespace {

@@ -10,6 +10,7 @@
 #include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 #include "vision/registration/registration.h"
+#include "vision/rotation/rotation.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -86,14 +87,17 @@ void mask_disc(PartSetup& setup, const Picture& first, double noise_variance, Tr
            texture, noise)});
 }
 
-void decide_rotation(PartSetup& setup, const TemplateRegistration& trial, const Picture& first,
-                     FrameSource& source, const FrameRange& range, TrackSummary& summary) {
+void decide_rotation(PartSetup& setup, double noise_variance, const Picture& first, FrameSource& source,
+                     const FrameRange& range, TrackSummary& summary) {
   constexpr double kAnyAngle = 10;  // rad: rotation is not visible at all
-  const double limit = trial.limit_theta();
+  const Pattern& part = setup.pattern;
+  const double radius =
+      part.radius > 0 ? part.radius : 0.5 * std::hypot(part.window.width, part.window.height);
+  const double limit =
+      rotation_limit(first, {part.centre.x, part.centre.y, radius}, summary.disc_blur, noise_variance);
   const bool visible = limit < kRotationLimit;
-  const bool on = visible && (setup.pattern.radius == 0 ||
-                              texture_returns(source, first, range.first, range.last, setup.pattern,
-                                              summary.disc_blur, setup.follow));
+  const bool on = visible && (part.radius == 0 || texture_returns(source, first, range.first, range.last,
+                                                                  part, summary.disc_blur, setup.follow));
   setup.result.texture_seen = visible;
   setup.result.turning = setup.follow.rotation = on;
   summary.plan.push_back(
@@ -158,7 +162,7 @@ PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRang
   }
   const TemplateRegistration trial(first, setup.pattern, setup.follow);
   setup.result.limit_px = std::sqrt(0.5 * trial.limit().trace());
-  decide_rotation(setup, trial, first, source, range, summary);
+  decide_rotation(setup, noise_variance, first, source, range, summary);
   average_template(setup, trial.template_noise_cost(), first, source, range, summary);
   look_at_rim(setup, first);
   summary.disc = setup.result.disc;
