@@ -5,6 +5,7 @@
 
 #include "fit/conditions/quantities.h"
 #include "fit/tools/angles.h"
+#include "fit/tools/parameters.h"
 #include "fit/tools/statistics.h"
 
 namespace tribotrack::fit {
@@ -325,54 +326,19 @@ Conditions pool(std::span<const RunEvidence> runs, const SharedEvidence& shared,
   return conditions;
 }
 
-namespace {
-
-/// The drive whose amplitude and frequency a fit names: that of its first driven run.
-model::Drive reference_drive(const Problem& problem) {
-  std::vector<model::Drive> drives;
-  for (const auto& run : problem.summary_runs) drives.push_back(run.scenario.drive);
-  for (const auto& run : problem.trajectory_runs) drives.push_back(run.scenario.drive);
-  const auto driven = std::ranges::find_if(
-      drives, [](const model::Drive& d) { return d.amplitude > 0 || d.amplitude_y > 0; });
-  return driven != drives.end() ? *driven : drives.empty() ? model::Drive{} : drives.front();
-}
-
-/// The value that the runs have, as a fit counts it, and what an error of it is relative to.
-struct Reference {
-  double value = 1, size = 1;
-};
-Reference reference(FitParameter quantity, const model::Drive& drive) {
-  const double amplitude = std::max(drive.amplitude, drive.amplitude_y);
-  switch (quantity) {
-    case FitParameter::amplitude:
-      return {amplitude, amplitude};
-    case FitParameter::angular_frequency:
-      return {drive.angular_frequency, drive.angular_frequency};
-    case FitParameter::gravity:
-      return {drive.gravity, drive.gravity};
-    case FitParameter::tilt_x:
-      return {drive.tilt_x, 1};
-    case FitParameter::tilt_y:
-      return {drive.tilt_y, 1};
-    default:
-      return {};
-  }
-}
-
-}  // namespace
-
 void put_into(Problem& problem, const Conditions& conditions) {
-  const model::Drive drive = reference_drive(problem);
+  const internal::Reference reference = internal::reference_of(problem);
   std::map<FitParameter, double> variance;
   for (const SharedError& error : conditions.errors) {
-    const double sd = error.sd * reference(error.quantity, drive).size;
+    const bool relative = internal::facts(error.quantity).sort == internal::Sort::positive;
+    const double sd = error.sd * (relative ? reference.as_given(error.quantity) : 1);
     if (!problem.fits(error.quantity))
       problem.conditions.push_back({error.quantity, sd, error.from});
     else if (error.known_beforehand)
       variance[error.quantity] += sd * sd;
   }
   for (const auto& [quantity, sum] : variance)
-    problem.prior.try_emplace(quantity, Prior{reference(quantity, drive).value, std::sqrt(sum)});
+    problem.prior.try_emplace(quantity, Prior{reference.as_given(quantity), std::sqrt(sum)});
   for (const Source source : conditions.taken_as_exact)
     if (source == Source::diameter || source == Source::scale || source == Source::tag)
       problem.exact.emplace_back(FitParameter::scale, to_string(source));

@@ -7,6 +7,7 @@
 #include "fit/residuals/unknowns.h"
 #include "fit/rounding.h"
 #include "fit/tools/parameter_text.h"
+#include "fit/tools/parameters.h"
 
 namespace tribotrack::fit {
 namespace {
@@ -76,7 +77,7 @@ std::string parameter_table(const FitResult& fit) {
                   "covariance", "profile", bootstrap ? "               95 % bootstrap" : "");
   for (const auto& p : fit.parameters) {
     const double factor = display_factor(p.parameter);
-    const std::string percent = p.estimate != 0 && internal::is_relative(p.parameter)
+    const std::string percent = p.estimate != 0 && internal::facts(p.parameter).is_relative()
                                     ? fmt::format(" ({:.2g} %)", 100 * p.sd / std::abs(p.estimate))
                                     : "";
     text += fmt::format(

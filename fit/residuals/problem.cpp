@@ -5,6 +5,7 @@
 
 #include "fit/tools/dense.h"
 #include "fit/tools/parameter_text.h"
+#include "fit/tools/parameters.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 
@@ -18,9 +19,8 @@ void need(const Problem& problem, FitParameter parameter) {
 }
 
 void check_value(FitParameter parameter, double value, const char* where) {
-  const bool positive = parameter == FitParameter::amplitude || parameter == FitParameter::scale ||
-                        parameter == FitParameter::angular_frequency;
-  const bool not_negative = parameter == FitParameter::mu1 || parameter == FitParameter::mu2;
+  const internal::Sort sort = internal::facts(parameter).sort;
+  const bool positive = sort == internal::Sort::positive, not_negative = sort == internal::Sort::not_negative;
   if (!std::isfinite(value) || (positive && !(value > 0)) || (not_negative && value < 0))
     throw DataError(std::string(where) + " " + to_string(parameter) + " = " + std::to_string(value) +
                     " is out of range" +
@@ -80,29 +80,7 @@ void check_run(const TrajectoryRun& run) {
 }  // namespace
 
 const char* to_string(FitParameter parameter) {
-  constexpr const char* kNames[] = {"mu1",
-                                    "mu2",
-                                    "phase_lag_rad",
-                                    "delay_s",
-                                    "amplitude_mm",
-                                    "angular_frequency_rad_s",
-                                    "mm_per_px",
-                                    "tilt_x_rad",
-                                    "tilt_y_rad",
-                                    "amplitude_ratio",
-                                    "phase_shift_rad",
-                                    "phase_reference_rad",
-                                    "gravity_m_s2",
-                                    "slope_rad",
-                                    "start_phase_rad",
-                                    "mu2_width_1_rad",
-                                    "wear",
-                                    "stribeck",
-                                    "viscous_1_s",
-                                    "gate_edges_rad2",
-                                    "mu2_speed",
-                                    "static_friction"};
-  return kNames[static_cast<std::size_t>(parameter)];
+  return internal::facts(parameter).name;
 }
 
 bool Problem::has_pulses() const {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "fit/residuals/free_slide.h"
 #include "fit/tools/dense.h"
@@ -10,27 +9,11 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-Transform transform_of(FitParameter parameter, double w, double threshold) {
-  using Kind = Transform::Kind;
-  switch (parameter) {
-    case FitParameter::mu1:
-    case FitParameter::amplitude:
-    case FitParameter::angular_frequency:
-    case FitParameter::scale:
-    case FitParameter::amplitude_ratio:
-    case FitParameter::gravity:
-      return {Kind::logarithm, 1};
-    case FitParameter::mu2:
-      return {Kind::hyperbola, 0.05 * threshold};
-    case FitParameter::slope:
-    case FitParameter::tilt_x:
-    case FitParameter::tilt_y:
-      return {Kind::linear, 0.01};
-    case FitParameter::delay:
-      return {Kind::linear, 1 / w};
-    default:  // angles, and strengths of laws
-      return {Kind::linear, 1};
-  }
+/// Of the optimiser's axis, where that is not logarithmic.
+double unit_of(FitParameter parameter, double w, double threshold) {
+  if (parameter == FitParameter::mu2) return 0.05 * threshold;
+  if (parameter == FitParameter::delay) return 1 / w;
+  return facts(parameter).sort == Sort::tilt ? 0.01 : 1;
 }
 
 class Chain {
@@ -60,31 +43,21 @@ class Chain {
 
 }  // namespace
 
-Unknowns::Unknowns(const Problem& problem) : problem_(&problem), common_(problem.free) {
-  bool first = true;
-  const auto consider = [&](const model::Scenario& scenario) {
-    if (std::exchange(first, false)) {
-      gravity_ = scenario.drive.gravity;
-      tilt_x_ = scenario.drive.tilt_x;
-      tilt_y_ = scenario.drive.tilt_y;
-    }
-    if (amplitude_ > 0) return;
-    amplitude_ = std::max(scenario.drive.amplitude, scenario.drive.amplitude_y);
-    frequency_ = scenario.drive.angular_frequency;
-  };
+Unknowns::Unknowns(const Problem& problem)
+    : problem_(&problem), common_(problem.free), reference_(reference_of(problem)) {
   std::size_t pulsed = 0;
   const auto count_width = [&](const model::Scenario& scenario) {
     if (!(scenario.friction.pulse_width > 0)) return;
     mean_width_ += (scenario.friction.pulse_width - mean_width_) / static_cast<double>(++pulsed);
   };
-  for (const auto& run : problem.summary_runs) consider(run.scenario), count_width(run.scenario);
-  for (const auto& run : problem.trajectory_runs) consider(run.scenario), count_width(run.scenario);
-  if (!(frequency_ > 0)) frequency_ = 1;
+  for (const auto& run : problem.summary_runs) count_width(run.scenario);
+  for (const auto& run : problem.trajectory_runs) count_width(run.scenario);
 
   for (const Condition& condition : problem.conditions)
     if (condition.sd > 0 && !find(condition.quantity)) common_.push_back(condition.quantity);
+  const double threshold = sliding_threshold().value_or(0.2);
   for (const auto parameter : common_)
-    transforms_.push_back(transform_of(parameter, frequency_, sliding_threshold().value_or(0.2)));
+    transforms_.emplace_back(facts(parameter).axis, unit_of(parameter, reference_frequency(), threshold));
 
   const auto add = [&](Nuisance kind, std::size_t run, const Eigen::VectorXd& guess,
                        const Eigen::VectorXd& scale, const Eigen::MatrixXd& known = {}) {
@@ -151,7 +124,7 @@ Eigen::VectorXd Unknowns::natural_units(const Eigen::VectorXd& values) const {
   for (Eigen::Index i = 0; i < common(); ++i) {
     const FitParameter unknown = parameter(i);
     if (unknown == FitParameter::delay)
-      units(i) = 1 / frequency_;
+      units(i) = 1 / reference_.angular_frequency;
     else if (unknown == FitParameter::tilt_x || unknown == FitParameter::tilt_y)
       units(i) = mu1;
     else if (unknown == FitParameter::mu2)
@@ -228,26 +201,6 @@ double Unknowns::value_of(FitParameter parameter, const Eigen::VectorXd& values)
   return as_given(parameter);
 }
 
-double Unknowns::as_given(FitParameter parameter) const {
-  switch (parameter) {
-    case FitParameter::amplitude:
-      return amplitude_;
-    case FitParameter::angular_frequency:
-      return frequency_;
-    case FitParameter::scale:
-    case FitParameter::amplitude_ratio:
-      return 1;
-    case FitParameter::gravity:
-      return gravity_;
-    case FitParameter::tilt_x:
-      return tilt_x_;
-    case FitParameter::tilt_y:
-      return tilt_y_;
-    default:
-      return 0;
-  }
-}
-
 std::optional<Prior> Unknowns::prior(Eigen::Index i) const {
   const FitParameter quantity = parameter(i);
   if (const auto it = problem_->prior.find(quantity); it != problem_->prior.end()) return it->second;
@@ -268,14 +221,15 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   result.scale = value_of(FitParameter::scale, values);
 
   // Amplitude and frequency are those of the first driven run; the others keep their ratio to it.
-  const double amplitude_factor = amplitude_ > 0 ? value_of(FitParameter::amplitude, values) / amplitude_ : 1;
+  const double amplitude_factor =
+      reference_.amplitude > 0 ? value_of(FitParameter::amplitude, values) / reference_.amplitude : 1;
   const double picture = amplitude_from_track ? result.scale : 1;
   const double ratio = value_of(FitParameter::amplitude_ratio, values);
   // Each takes a half of it: measured alike, mean and ratio are not correlated.
   const double along_x = 1 / std::sqrt(ratio), along_y = std::sqrt(ratio);
   drive.amplitude *= amplitude_factor * picture * along_x;
   drive.amplitude_y *= amplitude_factor * picture * along_y;
-  const double frequency_ratio = base.drive.angular_frequency / frequency_;
+  const double frequency_ratio = base.drive.angular_frequency / reference_.angular_frequency;
   drive.angular_frequency = value_of(FitParameter::angular_frequency, values) * frequency_ratio;
 
   const double delay = value_of(FitParameter::delay, values);
@@ -286,7 +240,7 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
   friction.lag = value_of(FitParameter::lag, values) + drive.angular_frequency * delay +
                  value_of(FitParameter::phase_reference, values);
   drive.phase_shift += value_of(FitParameter::phase_shift, values);
-  const bool from_rest = base.start == model::Start::rest && amplitude_ > 0;
+  const bool from_rest = base.start == model::Start::rest && reference_.amplitude > 0;
   if (from_rest) result.scenario.start_phase += value_of(FitParameter::start_phase, values);
   const auto replace = [&](FitParameter parameter, double& given) {
     if (find(parameter) || problem_->fixed.count(parameter)) given = value_of(parameter, values);
@@ -306,7 +260,8 @@ AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scen
     chain.add(model::Parameter::lag, find(FitParameter::angular_frequency), delay * frequency_ratio);
   }
   const auto by_amplitude = [&](model::Parameter parameter, double own) {
-    if (amplitude_ > 0) chain.add(parameter, find(FitParameter::amplitude), own * picture / amplitude_);
+    if (reference_.amplitude > 0)
+      chain.add(parameter, find(FitParameter::amplitude), own * picture / reference_.amplitude);
     if (amplitude_from_track) chain.add(parameter, find(FitParameter::scale), own * amplitude_factor);
   };
   by_amplitude(model::Parameter::amplitude, base.drive.amplitude * along_x);
@@ -456,8 +411,9 @@ AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::s
 }
 
 std::optional<double> Unknowns::sliding_threshold() const {
-  if (!(amplitude_ > 0)) return std::nullopt;
-  return amplitude_ * frequency_ * frequency_ / gravity_;
+  if (!(reference_.amplitude > 0)) return std::nullopt;
+  return reference_.amplitude * reference_.angular_frequency * reference_.angular_frequency /
+         reference_.gravity;
 }
 
 }  // namespace tribotrack::fit::internal

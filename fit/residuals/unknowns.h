@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "fit/problem.h"
-#include "fit/residuals/transform.h"
+#include "fit/tools/parameters.h"
+#include "fit/tools/transform.h"
 
 namespace tribotrack::fit::internal {
 
@@ -84,8 +85,8 @@ class Unknowns {
   /// First guesses: Problem::start, else the prior's mean, else the scene's own scale.
   Eigen::VectorXd first_guess() const;
 
-  /// Value of a parameter that is neither fitted nor fixed: the first run's, 0 where runs have none.
-  double as_given(FitParameter parameter) const;
+  /// Value of a parameter that is neither fitted nor fixed.
+  double as_given(FitParameter parameter) const { return reference_.as_given(parameter); }
   /// Value of a parameter that is fitted or fixed or the run's own.
   double value_of(FitParameter parameter, const Eigen::VectorXd& values) const;
   /// By what all runs share.
@@ -99,8 +100,8 @@ class Unknowns {
 
   /// A w^2 / g of the first driven run: the mu up to which the part slides. nullopt when all rest.
   std::optional<double> sliding_threshold() const;
-  double reference_amplitude() const { return amplitude_; }
-  double reference_frequency() const { return frequency_; }
+  double reference_amplitude() const { return reference_.amplitude; }
+  double reference_frequency() const { return reference_.angular_frequency; }
   const Problem& problem() const { return *problem_; }
 
  private:
@@ -116,14 +117,12 @@ class Unknowns {
 
   const Problem* problem_;
   std::vector<FitParameter> common_;
+  Reference reference_;  ///< fitted A and w are those of this run
   std::vector<Transform> transforms_;
   std::vector<NuisanceBlock> nuisances_;  ///< run by run
   std::vector<Range> own_;                ///< of each trajectory run
   std::optional<double> slide_mu_;        ///< first guess
-  double amplitude_ = 0;  ///< A of the first driven run; fitted amplitudes are those of this run
-  double frequency_ = 0;
-  double gravity_ = 9.81, tilt_x_ = 0, tilt_y_ = 0;
-  double mean_width_ = 0;  ///< rad, of the gates of all pulsed runs
+  double mean_width_ = 0;                 ///< rad, of the gates of all pulsed runs
 };
 
 }  // namespace tribotrack::fit::internal

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "fit/rounding.h"
+#include "fit/tools/parameters.h"
 
 namespace tribotrack::fit::internal {
 
@@ -21,12 +22,11 @@ std::string chance_text(double p_value) {
 std::string change_text(FitParameter parameter, double change, double value) {
   const std::string direction = change < 0 ? " down " : " up ";
   const double size = std::abs(change);
-  if (is_relative(parameter) && value != 0)
+  const ParameterFacts& known = facts(parameter);
+  if (known.is_relative() && value != 0)
     return to_string(parameter) + direction + number(100 * size / std::abs(value), 2) + " %";
   const std::string text = to_string(parameter) + direction + number(size * display_factor(parameter), 2);
-  const bool angle = parameter == FitParameter::lag || parameter == FitParameter::tilt_x ||
-                     parameter == FitParameter::tilt_y || parameter == FitParameter::slope;
-  return angle ? text + " (" + number(size * 180 / std::numbers::pi, 2) + " deg)" : text;
+  return known.is_angle() ? text + " (" + number(size * 180 / std::numbers::pi, 2) + " deg)" : text;
 }
 
 }  // namespace tribotrack::fit::internal

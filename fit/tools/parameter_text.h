@@ -11,12 +11,6 @@ namespace tribotrack::fit::internal {
 inline double display_factor(FitParameter parameter) {
   return parameter == FitParameter::amplitude ? 1e3 : 1;
 }
-/// Whose changes are given in per cent of its own value.
-inline bool is_relative(FitParameter parameter) {
-  return parameter == FitParameter::mu1 || parameter == FitParameter::mu2 ||
-         parameter == FitParameter::amplitude || parameter == FitParameter::angular_frequency ||
-         parameter == FitParameter::scale;
-}
 /// `significant` digits, trailing zeros dropped.
 std::string number(double value, int significant = 3);
 /// "p = 0.02"; "p < 1e-300" where it underflows: small, not zero.

@@ -8,6 +8,7 @@
 
 #include "fit/tools/dense.h"
 #include "fit/tools/parameter_text.h"
+#include "fit/tools/parameters.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -24,33 +25,14 @@ constexpr const char* kExact = "taken as exact";
 constexpr double kNegligible = 1e-3;
 
 std::string source_name(FitParameter quantity) {
-  constexpr const char* kNames[] = {"platform's amplitude",
-                                    "platform's frequency",
-                                    "scale",
-                                    "tilt along x",
-                                    "tilt along y",
-                                    "ratio of the platform's amplitudes",
-                                    "platform's phase shift",
-                                    "phase reference",
-                                    "gravity",
-                                    "incline's slope",
-                                    "phase at the start",
-                                    "rise of mu2 with the gate's width",
-                                    "wear in the course of the campaign",
-                                    "friction that falls with speed (Stribeck)",
-                                    "friction that rises with speed",
-                                    "width of the gate's edges",
-                                    "rise of mu2 with speed",
-                                    "friction at rest"};
-  if (quantity < FitParameter::amplitude) return std::string("prior of ") + to_string(quantity);
-  return kNames[static_cast<std::size_t>(quantity) - static_cast<std::size_t>(FitParameter::amplitude)];
+  const char* const source = facts(quantity).source;
+  return source != nullptr ? source : std::string("prior of ") + to_string(quantity);
 }
 
 /// An error to imagine in what was taken as exact, SI.
 double assumed_error(FitParameter quantity, double value) {
-  using enum FitParameter;
-  if (quantity == phase_shift || quantity == phase_reference || quantity == start_phase) return 0.01;
-  if (quantity == tilt_x || quantity == tilt_y || quantity == slope) return 1e-3;
+  if (facts(quantity).sort == Sort::phase) return 0.01;
+  if (facts(quantity).sort == Sort::tilt) return 1e-3;
   return 0.01 * std::abs(value);
 }
 

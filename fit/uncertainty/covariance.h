@@ -10,7 +10,7 @@
 #include "fit/fit_result.h"
 #include "fit/minimum/minimise.h"
 #include "fit/residuals/residuals.h"
-#include "fit/residuals/transform.h"
+#include "fit/tools/transform.h"
 
 namespace tribotrack::fit::internal {
 

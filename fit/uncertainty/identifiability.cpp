@@ -7,6 +7,7 @@
 
 #include "fit/rounding.h"
 #include "fit/tools/parameter_text.h"
+#include "fit/tools/parameters.h"
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -224,10 +225,9 @@ class Judge {
 
 double range(const Unknowns& unknowns, FitParameter parameter, const Eigen::VectorXd& values) {
   const double mu1 = unknowns.value_of(FitParameter::mu1, values);
-  if (parameter == FitParameter::lag) return 1;
+  if (facts(parameter).sort == Sort::phase) return 1;
   if (parameter == FitParameter::delay) return 1 / unknowns.reference_frequency();
-  const bool of_friction = parameter == FitParameter::mu2 || parameter == FitParameter::tilt_x ||
-                           parameter == FitParameter::tilt_y || parameter == FitParameter::slope;
+  const bool of_friction = parameter == FitParameter::mu2 || facts(parameter).sort == Sort::tilt;
   return of_friction ? mu1 : unknowns.value_of(parameter, values);
 }
 

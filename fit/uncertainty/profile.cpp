@@ -5,6 +5,7 @@
 
 #include "fit/minimum/multi_start.h"
 #include "fit/tools/dense.h"
+#include "fit/tools/parameters.h"
 #include "fit/uncertainty/profile.h"
 #include "model/parallel.h"
 
@@ -14,23 +15,14 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Interval limits(const Unknowns& unknowns, FitParameter parameter, double value) {
-  switch (parameter) {
-    case FitParameter::mu1:
-      return {1e-3 * value, std::max(10.0, 10 * value)};
-    case FitParameter::mu2:
-      return {1e-5, std::max(10.0, 10 * value)};
-    case FitParameter::lag:
-      return {value - std::numbers::pi, value + std::numbers::pi};
-    case FitParameter::delay:
-      return {value - std::numbers::pi / unknowns.reference_frequency(),
-              value + std::numbers::pi / unknowns.reference_frequency()};
-    case FitParameter::tilt_x:
-    case FitParameter::tilt_y:
-    case FitParameter::slope:
-      return {value - 0.5, value + 0.5};
-    default:
-      return {0.1 * value, 10 * value};
-  }
+  const auto within = [&](double half) { return Interval{value - half, value + half}; };
+  const Sort sort = facts(parameter).sort;
+  if (parameter == FitParameter::mu1) return {1e-3 * value, std::max(10.0, 10 * value)};
+  if (parameter == FitParameter::mu2) return {1e-5, std::max(10.0, 10 * value)};
+  if (parameter == FitParameter::delay) return within(std::numbers::pi / unknowns.reference_frequency());
+  if (sort == Sort::phase) return within(std::numbers::pi);
+  if (sort == Sort::tilt) return within(0.5);
+  return {0.1 * value, 10 * value};
 }
 
 /// A point this much below a minimum is a better one.

@@ -6,7 +6,7 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
-#include "fit/residuals/transform.h"
+#include "fit/tools/transform.h"
 #include "fit/uncertainty/profile.h"
 
 namespace tribotrack::fit {

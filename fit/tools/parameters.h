@@ -1,0 +1,32 @@
+// What is known of each parameter of a fit, and the conditions that its values count from.
+#pragma once
+
+#include "fit/problem.h"
+#include "fit/tools/transform.h"
+
+namespace tribotrack::fit::internal {
+
+/// Sort of value. A phase is an angle within a turn, a tilt one against the horizontal.
+enum class Sort { number, not_negative, positive, phase, tilt };
+
+struct ParameterFacts {
+  const char* name;    ///< as in campaigns
+  const char* source;  ///< as a source of error in the budget; null: it is one by its prior alone
+  Transform::Kind axis;
+  Sort sort;
+  bool is_angle() const { return sort == Sort::phase || sort == Sort::tilt; }
+  /// Its changes are given in per cent of its own value.
+  bool is_relative() const { return sort == Sort::positive || sort == Sort::not_negative; }
+};
+const ParameterFacts& facts(FitParameter parameter);
+
+/// Conditions of the first driven run, or of the first one where none is driven.
+struct Reference {
+  double amplitude = 0;  ///< of the longer axis
+  double angular_frequency = 1, gravity = 9.81, tilt_x = 0, tilt_y = 0;
+  /// Value of a parameter that is neither fitted nor fixed: 0 where runs have none.
+  double as_given(FitParameter parameter) const;
+};
+Reference reference_of(const Problem& problem);
+
+}  // namespace tribotrack::fit::internal
