@@ -11,16 +11,8 @@ namespace {
 
 Picture averaged(const Picture& picture, int n) {
   Picture out(picture.width() / n, picture.height() / n);
-  const float share = 1.0F / static_cast<float>(n * n);
-  for (int y = 0; y < out.height() * n; ++y) {
-    const auto from = picture.row(y);
-    const auto to = out.row(y / n);
-    for (int x = 0; x < out.width(); ++x) {
-      float sum = 0;
-      for (int i = 0; i < n; ++i) sum += from[static_cast<std::size_t>(x * n + i)];
-      to[static_cast<std::size_t>(x)] += share * sum;
-    }
-  }
+  const cv::Mat whole_blocks = matrix_of(picture)({0, 0, out.width() * n, out.height() * n});
+  cv::resize(whole_blocks, matrix_of(out), {out.width(), out.height()}, 0, 0, cv::INTER_AREA);
   return out;
 }
 
