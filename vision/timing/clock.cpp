@@ -1,4 +1,4 @@
-#include "vision/timing/clock.h"
+#include "vision/clock.h"
 
 #include <fmt/core.h>
 

@@ -10,7 +10,7 @@
 
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
-#include "vision/timing/clock.h"
+#include "vision/clock.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -11,7 +11,7 @@
 #include "vision/formats/photron/photron.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
-#include "vision/timing/clock.h"
+#include "vision/clock.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -14,7 +14,7 @@
 #include "vision/formats/pictures/pictures.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
-#include "vision/timing/clock.h"
+#include "vision/clock.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -10,7 +10,7 @@
 #include "vision/io/levels.h"
 #include "vision/io/picture_files.h"
 #include "vision/temporary_file.h"
-#include "vision/timing/clock.h"
+#include "vision/clock.h"
 
 namespace tribotrack::vision {
 namespace {
