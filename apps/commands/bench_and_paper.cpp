@@ -136,12 +136,6 @@ void add_bench(CLI::App& app, Context& context) {
           "beside descents with differences, coverage and laboratory (half an hour, on all cores); coverage: "
           "how often the intervals of simulated campaigns of ten designs hold; laboratory: what a fit says "
           "where platform and friction are not the model; all")
-      ->check([](const std::string& what) {
-        return what == "scale" ? "`bench scale` is no longer there: time commands on inputs of your own"
-               : what == "commands"
-                   ? "`bench commands` is no longer there: `bench vision` times whole commands"
-                   : "";
-      })
       ->check(one_of({"model", "vision", "fit", "coverage", "laboratory", "all"}))
       ->required();
   add_option(command, "-o,--output", options->output, "DIR",

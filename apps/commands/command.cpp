@@ -82,7 +82,6 @@ void add_number(CLI::App& command, const std::string& flag, std::optional<double
 }
 
 void parse(CLI::App& app, const std::vector<std::string>& typed) {
-  if (const std::string left = what_left(typed); !left.empty()) throw UsageError(left);
   try {
     app.parse(std::vector<std::string>(typed.rbegin(), typed.rend()));
   } catch (const CLI::ParseError& error) {

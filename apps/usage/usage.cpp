@@ -55,43 +55,6 @@ std::string version_text() {
 
 namespace {
 
-/// Something that left the program. Without `words` the command itself did; otherwise those of its options or
-/// arguments.
-struct Left {
-  std::string_view command;
-  std::vector<std::string_view> words;
-  std::string_view instead;
-};
-
-const std::vector<Left>& all_that_left() {
-  static const std::vector<Left> all = {
-      {"doctor", {}, "`tribotrack --version` names libraries, threads and temporary files"},
-      {"manual", {}, "manual pages come with the Debian package; `tribotrack COMMAND --help` says the same"},
-      {"completion", {}, "completion for bash comes with the Debian package"},
-      {"sweep",
-       {"--part", "--join"},
-       "a sweep of 1e7 scenarios takes minutes; for several machines: `run --emit snakemake`"},
-      {"track",
-       {"--rehearse"},
-       "film uncompressed or FFV1; standard deviations include what the codec may have done"},
-      {"calibrate",
-       {"--marker-mm", "--dictionary"},
-       "use a checkerboard that is seen whole in every picture"},
-      {"run",
-       {"--overlay-videos"},
-       "`track --campaign CAMPAIGN.toml --run NAME --overlay NAME.mp4` draws one of a run"},
-      {"bench",
-       {"--part", "--join"},
-       "`bench coverage` runs whole, on all cores; `--campaigns N` says how many"},
-      {"bench",
-       {"--frames", "--diameters", "--keep", "--full"},
-       "`bench vision` times whole commands on recordings of its own"},
-      {"bench", {"--figures"}, "bench.html saves each figure as SVG, and its numbers as CSV"},
-      {"paper", {"--figures"}, "paper.html saves each figure as SVG, and its numbers as CSV"},
-  };
-  return all;
-}
-
 bool contains(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
@@ -207,19 +170,6 @@ std::string wrong_usage(const CLI::App& app, const CLI::ParseError& error,
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError))
     return unexpected_word(*app.get_subcommand(word), typed);
   return error.what();
-}
-
-std::string what_left(const std::vector<std::string>& typed) {
-  const std::string command = command_word(typed);
-  for (const Left& left : all_that_left()) {
-    if (left.command != command) continue;
-    if (left.words.empty()) return fmt::format("`{}` is no longer a command: {}", command, left.instead);
-    for (const std::string& word : typed)
-      if (std::ranges::find(left.words, std::string_view(word).substr(0, word.find('='))) != left.words.end())
-        return fmt::format("`{} {}` is no longer there: {}", command, word.substr(0, word.find('=')),
-                           left.instead);
-  }
-  return "";
 }
 
 CLI::Validator whole_number(long least, long most) {

@@ -13,10 +13,6 @@ namespace tribotrack::apps {
 std::string wrong_usage(const CLI::App& app, const CLI::ParseError& error,
                         const std::vector<std::string>& typed);
 
-/// The sentence on a command or an option that earlier versions had: what to do instead. Empty where the
-/// command line names none of these.
-std::string what_left(const std::vector<std::string>& typed);
-
 /// Accepts whole numbers from `least` to `most`, or without end; what else is given is told with both.
 CLI::Validator whole_number(long least, long most = std::numeric_limits<long>::max());
 
