@@ -125,14 +125,14 @@ std::string budget(const fit::FitResult& fit) {
   std::string text;
   for (const fit::BudgetEntry& entry : fit.budget) {
     if (!entry.counted) continue;
-    text += fmt::format("  {:<34}", entry.source);
+    text += fmt::format("  {:<41}", entry.source);
     for (const double contribution : entry.contribution)
       text += fmt::format(" {:>14}", rounded_to_sd(contribution, std::abs(contribution)));
-    text += "\n";
+    text += "  " + entry.from + "\n";
   }
   if (text.empty()) return "";
   std::string head =
-      fmt::format("uncertainty budget, contributions to the standard uncertainties\n  {:<34}", "source");
+      fmt::format("uncertainty budget, contributions to the standard uncertainties\n  {:<41}", "source");
   for (const fit::ParameterEstimate& p : fit.parameters)
     head += fmt::format(" {:>14}", fit::to_string(p.parameter));
   return head + "\n" + text + "\n";
