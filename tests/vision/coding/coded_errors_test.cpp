@@ -16,13 +16,15 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr int kFrames = 160, kPeriod = 40;  ///< frames in a turn
-constexpr double kAmplitude = 0.3;          ///< px: slow, where a coder predicts from the same place
+constexpr double kSlow = 0.3, kFast = 5;    ///< px: a coder predicts from the same place, or by vectors
 
 class CodedTrackTest : public RecordingTest {
  protected:
-  static Point truth(int k) {
+  double amplitude_ = kSlow;
+
+  Point truth(int k) const {
     const double phase = 2 * std::numbers::pi * k / kPeriod;
-    return {56.3 + kAmplitude * std::cos(phase), 55.6 + kAmplitude * std::sin(phase)};
+    return {56.3 + amplitude_ * std::cos(phase), 55.6 + amplitude_ * std::sin(phase)};
   }
 
   std::filesystem::path coded(const char* name, SinkOptions sink) {
@@ -45,9 +47,9 @@ class CodedTrackTest : public RecordingTest {
     return file(name);
   }
 
-  static test::TrackErrors compare(const Track& track) {
+  test::TrackErrors compare(const Track& track) const {
     const test::TrackErrors e =
-        test::errors_of(track, [](std::int64_t k) { return truth(static_cast<int>(k)); });
+        test::errors_of(track, [this](std::int64_t k) { return truth(static_cast<int>(k)); });
     EXPECT_EQ(e.count, kFrames);
     return e;
   }
@@ -68,6 +70,20 @@ TEST_F(CodedTrackTest, SlowMotionThroughH264) {
   EXPECT_GT(result.summary.coded->still, 0.5) << "the part moves by 0.05 px a frame";
   const test::TrackErrors seen = compare(result.track);
   EXPECT_GT(seen.rms, 0.02) << "the coder must do harm for this test to mean anything";
+  EXPECT_GT(seen.rms / seen.sd, 0.5);
+  EXPECT_LT(seen.rms / seen.sd, 1.5);
+}
+
+TEST_F(CodedTrackTest, FastMotionThroughH264) {
+  amplitude_ = kFast;
+  TrackOptions o = options();
+  o.target.disc.x = truth(0).x;
+  const auto source =
+      open_source(coded("fast.mp4", {.codec = Codec::h264, .crf = 23}), {.frame_rate_hz = 1000});
+  const TrackResult result = track(*source, o);
+  EXPECT_GT(result.summary.coded->moving, 0.9) << "the part moves by 0.8 px a frame";
+  EXPECT_EQ(result.summary.coded->part_play, 0);
+  const test::TrackErrors seen = compare(result.track);
   EXPECT_GT(seen.rms / seen.sd, 0.5);
   EXPECT_LT(seen.rms / seen.sd, 1.5);
 }

@@ -124,9 +124,11 @@ Errors errors_of(const GroundMotion& motion, const Circling& s) {
   return e;
 }
 
-GroundMotion followed(const Circling& s, std::vector<Picture> pictures) {
+GroundMotion followed(const Circling& s, std::vector<Picture> pictures, int threads = 1) {
   MemorySource source(std::move(pictures), kRate);
-  return follow_ground(source, 0, s.frames - 1, s.options());
+  GroundMotionOptions options = s.options();
+  options.threads = threads;
+  return follow_ground(source, 0, s.frames - 1, options);
 }
 
 GroundVerdict glance(const Circling& s, std::vector<Picture> pictures) {
@@ -174,7 +176,10 @@ Eigen::Vector2d bound(const Circling& s) {
 
 TEST(GroundMotion, BrushedGroundTellsItsMotionToTheLimitInBothDirections) {
   const Circling s;
-  const Errors e = errors_of(followed(s, s.pictures()), s);
+  const GroundMotion motion = followed(s, s.pictures()), on_two = followed(s, s.pictures(), 2);
+  for (std::size_t k = 0; k < motion.frames.size(); ++k)
+    EXPECT_EQ(motion.frames[k]->displacement.x, on_two.frames[k]->displacement.x) << "for any threads";
+  const Errors e = errors_of(motion, s);
   expect_right(e, s);
   const Eigen::Vector2d limit = bound(s);
   std::printf("  limit along %.4f across %.4f px\n", limit[0], limit[1]);
