@@ -177,10 +177,10 @@ std::string coding_warning(const CodedErrors& errors) {
         "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
         errors.coder, errors.added_sd, errors.slow_time);
   return fmt::format(
-      "coded by {}: in {:.0f} % of the frames the part moves too little for a vector, and by {:.3f} px "
-      "unnoticed; {:.4f} px that change over {:.2g} s are added to the standard "
-      "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
-      errors.coder, 100 * errors.still, errors.unnoticed, errors.added_sd, errors.slow_time);
+      "coded by {}: motion below {:.3f} px is not encoded, and in {:.0f} % of the frames the part moves too "
+      "little for a motion vector; {:.4f} px that change over {:.2g} s are added to the standard deviations. "
+      "Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
+      errors.coder, errors.unnoticed, 100 * errors.still, errors.added_sd, errors.slow_time);
 }
 
 }  // namespace
