@@ -41,14 +41,27 @@ struct Coder {
   /// Coefficients below this many steps are not coded if another frame predicts them.
   double dead_zone = 0.83;
   bool known = false;  ///< which one it was, and with which settings
-  double step = 0;     ///< of the quantiser in the first frame (CodedFrame), grey levels; 0 unknown
+  double step = 0;     ///< of the quantiser in the first frame (CodedCell), grey levels; 0 unknown
 };
 
-/// How the codec stored a frame. Steps of the quantiser are in coefficients of an orthonormal transform, grey
-/// levels; 0 unknown.
+/// How the codec stored a part of a frame.
+struct CodedCell {
+  enum class Kind : unsigned char {
+    intra,   ///< by itself
+    still,   ///< predicted from the same place of another frame
+    moving,  ///< predicted from elsewhere in another frame
+  } kind = Kind::intra;
+  float step = 0;  ///< of the quantiser, in coefficients of an orthonormal transform, grey levels; 0 unknown
+};
+
+/// How the codec stored a frame, by cells of 8 x 8 px, row by row; no cells if the decoder does not tell.
 struct CodedFrame {
-  char type = '?';               ///< 'I', 'P' or 'B'
-  double step = 0, largest = 0;  ///< mean over the picture, and of any of its blocks
+  static constexpr int kCell = 8;
+  char type = '?';  ///< 'I', 'P' or 'B'
+  int columns = 0, rows = 0;
+  std::vector<CodedCell> cells;
+  double mean_step() const;  ///< 0 where unknown
+  double still_share() const;
 };
 
 /// What a recording is.
@@ -104,7 +117,7 @@ class FrameSource {
   /// Reads a window of a frame, which must lie inside bounds(); only its rows, if the format allows it.
   /// Sequential access is fast in every format. Throws InputError.
   virtual void read(std::int64_t index, const Rect& window, Picture& picture) = 0;
-  /// How the codec stored a frame that was read; null if that is unknown.
+  /// How the codec stored one of the last 128 frames that were read; null if that is unknown.
   virtual const CodedFrame* coded(std::int64_t index) const {
     static_cast<void>(index);
     return nullptr;

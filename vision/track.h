@@ -113,17 +113,25 @@ struct Audit {
 
 /// Effect of lossy compression on a track (vision/coding).
 struct CodedErrors {
+  struct OfType {
+    char type = '?';  ///< 'I', 'P' or 'B'
+    std::int64_t frames = 0;
+    double step = 0;      ///< of the quantiser at the part's edge, grey levels; 0 unknown
+    double still = 0;     ///< share of the edge that is predicted from the same place of another frame
+    double added_sd = 0;  ///< px rms of a coordinate, beyond the audit's
+  };
   std::string coder, settings;
-  bool known = false;            ///< which one it was, and with which settings
-  double step = 0;               ///< of the quantiser, its mean, grey levels; 0 unknown
-  double still = 0, moving = 0;  ///< shares of the frames in which the part is predicted from the same place
-                                 ///< of another frame, and from elsewhere in one
-  double unnoticed = 0;          ///< px that the part can move before the codec encodes it
+  bool known = false;  ///< which one it was, and with which settings
+  std::vector<OfType> types;
+  double step = 0, still = 0, moving = 0;  ///< means over the frames
+  double unnoticed = 0;                    ///< px that the part can move before the codec encodes it
   /// Half widths, px, of the dead band through which slow motion of the part and of the mark is seen: it
   /// arrives late by up to that, with too small an amplitude.
   double part_play = 0, mark_play = 0;
   double added_sd = 0;   ///< px rms of a coordinate
   double slow_time = 0;  ///< correlation time of what is added, s
+  /// Share of the displacement by which the two passes differ, where it is beyond doubt.
+  double passes_differ = 0;
 };
 
 /// A correlated error: of each coordinate by itself, stationary, with covariance

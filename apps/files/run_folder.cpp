@@ -108,9 +108,16 @@ Json json_of(const vision::Audit& audit) {
 }
 
 Json json_of(const vision::CodedErrors& coded) {
+  Json types = Json::object();
+  for (const auto& type : coded.types)
+    types[std::string(1, type.type)] = {{"frames", type.frames},
+                                        {"step_levels", type.step},
+                                        {"still_share", type.still},
+                                        {"added_sd_px", type.added_sd}};
   return {{"coder", coded.coder},
           {"settings", coded.settings},
           {"known", coded.known},
+          {"frame_types", types},
           {"step_levels", coded.step},
           {"still_share", coded.still},
           {"moving_share", coded.moving},
@@ -118,7 +125,8 @@ Json json_of(const vision::CodedErrors& coded) {
           {"part_play_px", coded.part_play},
           {"mark_play_px", coded.mark_play},
           {"added_sd_px", coded.added_sd},
-          {"slow_time_s", coded.slow_time}};
+          {"slow_time_s", coded.slow_time},
+          {"passes_differ", coded.passes_differ}};
 }
 
 Json circle_json(const std::optional<vision::Circle>& circle) {

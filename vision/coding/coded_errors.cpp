@@ -5,15 +5,83 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <opencv2/core.hpp>
 
 #include "vision/coding_forecast.h"
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
-#include "vision/kernels/plane.h"
 
 namespace tribotrack::vision {
+namespace {
+
+/// A place every two pixels: each cell that the rim crosses is met.
+int places_on(const Circle& rim) {
+  return std::max(16, static_cast<int>(std::numbers::pi * rim.radius));
+}
+
+}  // namespace
+
+RimCoding rim_coding(const CodedFrame& frame, const Circle& rim) {
+  RimCoding out;
+  out.type = frame.type;
+  if (frame.cells.empty()) return out;
+  const int places = places_on(rim);
+  double seen = 0;
+  Point all;
+  for (int k = 0; k < places; ++k) {
+    const double phi = 2 * std::numbers::pi * k / places, x = std::cos(phi), y = std::sin(phi);
+    const int column = static_cast<int>(std::floor((rim.x + rim.radius * x) / CodedFrame::kCell));
+    const int row = static_cast<int>(std::floor((rim.y + rim.radius * y) / CodedFrame::kCell));
+    if (column < 0 || row < 0 || column >= frame.columns || row >= frame.rows) continue;
+    const CodedCell& cell = frame.cells[static_cast<std::size_t>(row * frame.columns + column)];
+    ++seen;
+    out.step += static_cast<double>(cell.step);
+    all.x += x * x;
+    all.y += y * y;
+    if (cell.kind == CodedCell::Kind::intra) continue;
+    Point& share = cell.kind == CodedCell::Kind::still ? out.still : out.moving;
+    share.x += x * x;
+    share.y += y * y;
+  }
+  if (seen == 0) return out;
+  out.step /= seen;
+  for (Point* share : {&out.still, &out.moving}) {
+    share->x /= std::max(all.x, 1e-9);
+    share->y /= std::max(all.y, 1e-9);
+  }
+  return out;
+}
+
+namespace {
+
+/// Of all cells alike.
+RimCoding picture_coding(const CodedFrame& frame) {
+  RimCoding out;
+  out.type = frame.type;
+  out.step = frame.mean_step();
+  if (frame.cells.empty()) return out;
+  const double still = frame.still_share();
+  const auto moving = std::ranges::count(frame.cells, CodedCell::Kind::moving, &CodedCell::kind);
+  const double moves = static_cast<double>(moving) / static_cast<double>(frame.cells.size());
+  out.still = {still, still};
+  out.moving = {moves, moves};
+  return out;
+}
+
+}  // namespace
+
+void CodingWatch::see(std::int64_t index, const Point& centre, const std::optional<Circle>& mark) {
+  if (!recording_.info().coder) return;
+  WatchedFrame& frame = frames_.emplace_back();
+  frame.index = index;
+  const CodedFrame* coded = recording_.coded(index);
+  if (!coded) return;
+  frame.part = rim_coding(*coded, {centre.x, centre.y, radius_});
+  frame.mark = mark ? rim_coding(*coded, *mark) : picture_coding(*coded);
+}
+
 namespace {
 
 constexpr int kBlock = 8;
@@ -70,23 +138,18 @@ Point unnoticed_motion(const Picture& picture, const Circle& rim, double margin)
 namespace {
 
 constexpr double kPlay = 0.58;               ///< half width of the play over d0
-constexpr double kMoving = 0.2;              ///< of its variance, where a vector follows the part
-constexpr double kVector = 0.125;            ///< px: half of what a vector's last digit stands for
+constexpr double kMoving = 0.125;            ///< of its variance, where a vector follows the part
 constexpr double kBlocks = 1.4, kStill = 3;  ///< of the measured law
 
 double square(double x) {
   return x * x;
 }
 
-double mean(const Point& p) {
-  return 0.5 * (p.x + p.y);
-}
-
 /// Variances, px^2, along x and y.
 using Added = Eigen::Array2d;
 
-Added play_variance(bool still, const Point& unnoticed) {
-  return 0.5 * square(kPlay) * (still ? 1 : kMoving) * Added(unnoticed.x, unnoticed.y).square();
+double play_variance(double still, double moving, double unnoticed) {
+  return 0.5 * square(kPlay * unnoticed) * (still + kMoving * moving);
 }
 
 /// By the measured law, of a variance that the audit has made `white` times as large.
@@ -94,26 +157,12 @@ double by_law(double sigma, double white) {
   return std::max(0.0, square(kBlocks + kStill) / white - 1) * square(sigma);
 }
 
-/// px a frame, of the part or of the mark; 0 where it is not known.
-double speed_at(const std::vector<TrackPoint>& points, std::size_t k, bool of_mark) {
-  const std::size_t first = k > 0 ? k - 1 : 0, last = std::min(k + 1, points.size() - 1);
-  const TrackPoint &a = points[first], &b = points[last];
-  const bool seen =
-      of_mark ? a.marker && b.marker : a.status == TrackStatus::ok && b.status == TrackStatus::ok;
-  if (!seen || first == last) return 0;
-  return (of_mark ? distance(*a.marker, *b.marker) : distance(a, b)) / static_cast<double>(last - first);
-}
-
-/// How a frame's coder sees the part or the mark.
-struct Sight {
-  Point unnoticed;     ///< px
-  bool still = false;  ///< predicted from the same place of another frame
-};
-
-Sight sight_of(const Coder& coder, const CodedFrame& frame, const Point& for_one_level, double speed) {
-  const double zone = coder.dead_zone * frame.step;
-  const Point unnoticed{zone * for_one_level.x, zone * for_one_level.y};
-  return {unnoticed, frame.type != 'I' && speed < std::max(kVector, mean(unnoticed))};
+Added added_in(const CodedTrack& coded, const WatchedFrame& f, const TrackPoint& p, double white) {
+  if (coded.coder.all_intra || f.part.type == 'I') return {0, 0};
+  if (!(f.part.step > 0)) return {by_law(p.sigma_x, white), by_law(p.sigma_y, white)};
+  const double zone = coded.coder.dead_zone * f.part.step;
+  return {play_variance(f.part.still.x, f.part.moving.x, zone * coded.part_unnoticed.x),
+          play_variance(f.part.still.y, f.part.moving.y, zone * coded.part_unnoticed.y)};
 }
 
 Point mean_position(const Track& track) {
@@ -168,6 +217,51 @@ double direction_time(const Track& track, double step) {
   return integral;
 }
 
+/// Gathers means over the frames.
+class Means {
+ public:
+  void add(const CodedTrack& coded, const WatchedFrame& f, const Added& added) {
+    const double zone = coded.coder.dead_zone;
+    const double part = zone * f.part.step * mean(coded.part_unnoticed);
+    const double mark = zone * f.mark.step * mean(coded.mark_unnoticed);
+    out_.step += f.part.step;
+    out_.still += mean(f.part.still);
+    out_.moving += mean(f.part.moving);
+    out_.unnoticed += part;
+    out_.part_play += kPlay * part * mean(f.part.still);
+    out_.mark_play += kPlay * mark * mean(f.mark.still);
+    out_.added_sd += added.mean();
+    ++count_;
+    CodedErrors::OfType& type = types_[f.part.type];
+    type.type = f.part.type;
+    ++type.frames;
+    type.step += f.part.step;
+    type.still += mean(f.part.still);
+    type.added_sd += added.mean();
+  }
+  CodedErrors errors() {
+    CodedErrors out = out_;
+    for (double* sum :
+         {&out.step, &out.still, &out.moving, &out.unnoticed, &out.part_play, &out.mark_play, &out.added_sd})
+      *sum /= std::max(1.0, count_);
+    out.added_sd = std::sqrt(out.added_sd);
+    for (auto& [name, type] : types_) {
+      const auto n = static_cast<double>(type.frames);
+      type.step /= n;
+      type.still /= n;
+      type.added_sd = std::sqrt(type.added_sd / n);
+      out.types.push_back(type);
+    }
+    return out;
+  }
+
+ private:
+  static double mean(const Point& p) { return 0.5 * (p.x + p.y); }
+  CodedErrors out_;
+  double count_ = 0;
+  std::map<char, CodedErrors::OfType> types_;
+};
+
 /// One sentence for a person.
 std::string coding_warning(const CodedErrors& errors) {
   if (!(errors.added_sd > 0)) return {};
@@ -177,10 +271,10 @@ std::string coding_warning(const CodedErrors& errors) {
         "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
         errors.coder, errors.added_sd, errors.slow_time);
   return fmt::format(
-      "coded by {}: motion below {:.3f} px is not encoded, and in {:.0f} % of the frames the part moves too "
-      "little for a motion vector; {:.4f} px that change over {:.2g} s are added to the standard deviations. "
-      "Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
-      errors.coder, errors.unnoticed, 100 * errors.still, errors.added_sd, errors.slow_time);
+      "coded by {}: {:.0f} % of the edge is predicted from the same place of another frame, where the part "
+      "can move by {:.3f} px unnoticed; {:.4f} px that change over {:.2g} s are added to the standard "
+      "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
+      errors.coder, 100 * errors.still, errors.unnoticed, errors.added_sd, errors.slow_time);
 }
 
 }  // namespace
@@ -210,38 +304,24 @@ double displacement_differs(const Track& track, const Track& other) {
 }
 
 void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summary) {
-  const Coder& coder = *coded.recording.info().coder;
   const double white = summary.audit.white_factor;
   if (!summary.layered) widen_first(track);
-  CodedErrors found{.coder = coder.name, .settings = coder.settings, .known = coder.known};
   const Point middle = mean_position(track);
-  double count = 0;
-  for (std::size_t k = 0; k < track.points.size(); ++k) {
-    TrackPoint& p = track.points[k];
-    if (p.status != TrackStatus::ok) continue;
-    const CodedFrame* seen = coded.recording.coded(coded.first_index + static_cast<std::int64_t>(k));
-    const CodedFrame frame = seen ? *seen : CodedFrame{};
-    const Sight part = sight_of(coder, frame, coded.part_unnoticed, speed_at(track.points, k, false)),
-                mark = sight_of(coder, frame, coded.mark_unnoticed, speed_at(track.points, k, true));
-    Added added{0, 0};
-    if (!coder.all_intra && frame.type != 'I')
-      added = frame.step > 0 ? play_variance(part.still, part.unnoticed)
-                             : Added(by_law(p.sigma_x, white), by_law(p.sigma_y, white));
+  Means means;
+  for (const WatchedFrame& f : coded.frames) {
+    const auto place = static_cast<std::size_t>(f.index - coded.first_index);
+    if (place >= track.points.size() || track.points[place].status != TrackStatus::ok) continue;
+    TrackPoint& p = track.points[place];
+    Added added = added_in(coded, f, p, white);
     added += (coded.passes_differ * Eigen::Array2d(p.x - middle.x, p.y - middle.y)).square();
+    means.add(coded, f, added);
     set_covariance(p, covariance_of(p) + Eigen::Matrix2d(added.matrix().asDiagonal()));
-    ++count;
-    found.step += frame.step;
-    found.unnoticed += mean(part.unnoticed);
-    found.added_sd += added.mean();
-    if (coder.all_intra) continue;
-    (part.still ? found.still : found.moving) += frame.type != 'I';
-    found.part_play += part.still ? kPlay * mean(part.unnoticed) : 0;
-    found.mark_play += mark.still ? kPlay * mean(mark.unnoticed) : 0;
   }
-  for (double* sum : {&found.step, &found.still, &found.moving, &found.unnoticed, &found.part_play,
-                      &found.mark_play, &found.added_sd})
-    *sum /= std::max(1.0, count);
-  found.added_sd = std::sqrt(found.added_sd);
+  CodedErrors found = means.errors();
+  found.coder = coded.coder.name;
+  found.settings = coded.coder.settings;
+  found.known = coded.coder.known;
+  found.passes_differ = coded.passes_differ;
   if (!(found.step > 0)) found.part_play = found.mark_play = std::numbers::sqrt2 * found.added_sd;
   found.slow_time = found.added_sd > 0 ? direction_time(track, found.unnoticed) : 0;
   if (found.added_sd > 0 && found.slow_time > 0)

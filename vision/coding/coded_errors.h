@@ -2,18 +2,17 @@
 //
 // The scatter of clusters and halves (vision/layers, vision/audit) finds what blocks
 // do to the position each by itself. What all blocks of the rim do together it cannot see. Where a block is
-// predicted from the same place of another frame, and the displacement since is not worth coding up to d0
-// (unnoticed_motion()), the part stays behind: it is seen through a play of half width b, and while it moves
-// its error is b against the direction of motion, b^2 / 2 along either axis of the plane, and all of the rim
-// shares it. Measured, b = 0.58 d0, so
-//   var = s d0^2 / 6,
-// s = 1 where the part moves by less than d0, or than half the quarter of a pixel that vectors are counted
-// in, from frame to frame; where it moves faster a vector follows it, and s = 1/5. On recordings of a disc
-// (x264, crf 15 to 28, presets veryfast and medium, with and without B frames, mpeg4; motion of 0.05 to 1 px
-// a frame) errors are 0.5 to 1.5 of the standard deviations that come out, to 2 with the preset veryfast,
-// which looks for vectors less: two-way prediction and finer decisions leave less.
+// predicted from another frame, and the displacement since is not worth coding up to d0 (unnoticed_motion()),
+// the part stays behind: it is seen through a play of half width b, and while it moves its error is b against
+// the direction of motion, b^2 / 2 along either axis of the plane, and all of the rim shares it. Measured, b
+// = 0.58 d0, so
+//   var = (s + m / 8) d0^2 / 6,
+// s the share of the rim predicted from the same place of another frame, m that predicted from elsewhere,
+// where the vector follows the part. On recordings of a disc (x264, crf 15 to 28, presets veryfast and
+// medium, with and without B frames, mpeg4; motion of 0.05 to 1 px a frame) errors are 0.5 to 1.5 of the
+// standard deviations that come out: two-way prediction and finer decisions leave less.
 //
-// Where the coder tells no steps (HEVC, VP9, AV1) the measured law of such recordings,
+// Where the coder tells neither steps nor blocks (HEVC, VP9, AV1) the measured law of such recordings,
 //   sd = (1.4 + 3 s) times that of blocks,
 // is used with s = 1.
 //
@@ -23,12 +22,53 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "vision/frame_source.h"
 #include "vision/picture.h"
 #include "vision/track.h"
 
 namespace tribotrack::vision {
+
+// How a coder stored the rim of a disc in one frame.
+//
+// A displacement along x is told by the edges across it, so a place of the rim at the angle phi counts by
+// cos^2 phi for x and by sin^2 phi for y.
+
+struct RimCoding {
+  char type = '?';        ///< of the frame
+  double step = 0;        ///< of the quantiser at the rim, grey levels; 0 unknown
+  Point still = {0, 0};   ///< share that is predicted from the same place of another frame, for x and y
+  Point moving = {0, 0};  ///< share that is predicted from elsewhere
+};
+
+RimCoding rim_coding(const CodedFrame& frame, const Circle& rim);
+
+// What the coder did to the part and to the platform's mark, frame by frame, gathered while the recording is
+// decoded for the first time.
+
+struct WatchedFrame {
+  std::int64_t index = 0;  ///< in the source
+  RimCoding part;
+  RimCoding mark;  ///< the round mark, or all of the picture where the ground serves as one
+};
+
+/// Nothing is gathered from recordings that no lossy coder made.
+class CodingWatch {
+ public:
+  /// `recording` is the one that decodes, not what caches it. Keeps the reference.
+  CodingWatch(const FrameSource& recording, double part_radius)
+      : recording_(recording), radius_(part_radius) {}
+  /// The part's centre, and the round mark where one was seen. The frame was read just now.
+  void see(std::int64_t index, const Point& centre, const std::optional<Circle>& mark);
+  const std::vector<WatchedFrame>& frames() const { return frames_; }
+
+ private:
+  const FrameSource& recording_;
+  double radius_;
+  std::vector<WatchedFrame> frames_;
+};
 
 // How far a part can move before its coder notices.
 //
@@ -47,10 +87,11 @@ Point unnoticed_motion(const Picture& picture, const Circle& rim, double margin)
 
 /// What is known of a coded track before it is widened.
 struct CodedTrack {
-  const FrameSource& recording;  ///< the one that decodes, not what caches it; of a lossy coder
-  std::int64_t first_index = 0;  ///< in it, of the track's first point
+  Coder coder;
+  std::vector<WatchedFrame> frames;
+  std::int64_t first_index = 0;  ///< in the source, of the track's first point
   Point part_unnoticed = {};     ///< unnoticed_motion() of the part, px for a dead zone of one grey level
-  Point mark_unnoticed = {};     ///< of the mark; of all of the picture where the ground serves as one
+  Point mark_unnoticed = {};     ///< of the mark
   double passes_differ = 0;      ///< a
 };
 

@@ -152,6 +152,17 @@ std::unique_ptr<FrameSink> create_sink(const std::filesystem::path& path, const 
   }
 }
 
+double CodedFrame::mean_step() const {
+  double sum = 0;
+  for (const CodedCell& cell : cells) sum += static_cast<double>(cell.step);
+  return cells.empty() ? 0 : sum / static_cast<double>(cells.size());
+}
+
+double CodedFrame::still_share() const {
+  const auto still = std::ranges::count(cells, CodedCell::Kind::still, &CodedCell::kind);
+  return cells.empty() ? 0 : static_cast<double>(still) / static_cast<double>(cells.size());
+}
+
 std::string libraries() {
   return "OpenCV " CV_VERSION
          ", libavformat " AV_STRINGIFY(LIBAVFORMAT_VERSION) ", libavcodec " AV_STRINGIFY(LIBAVCODEC_VERSION);

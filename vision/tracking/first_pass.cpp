@@ -110,6 +110,12 @@ std::optional<Point> FirstPass::step(std::int64_t index) {
   return step.sighting->position;
 }
 
+std::optional<Circle> FirstPass::mark() const {
+  const auto& seen = track_.points.back().marker;
+  if (!seen || !(summary_.marker.radius > 0)) return std::nullopt;
+  return Circle{seen->x, seen->y, summary_.marker.radius};
+}
+
 /// Fills the last point.
 FollowStep FirstPass::follow_part(std::int64_t index) {
   auto& points = track_.points;

@@ -52,6 +52,9 @@ class FirstPass {
   /// to be the part.
   std::optional<Point> step(std::int64_t index);
 
+  /// The round mark as it was seen in the last frame.
+  std::optional<Circle> mark() const;
+
   /// After the last frame. Follows the platform's ground where that serves as the marker.
   Track finish();
 

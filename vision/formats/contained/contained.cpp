@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <map>
+#include <deque>
 #include <stdexcept>
 
 #include "vision/formats/contained/confinement.h"
@@ -16,6 +16,7 @@
 namespace tribotrack::vision {
 namespace {
 
+constexpr std::size_t kCodedFrames = 128;
 /// What decoding a frame, and so many bytes of a recording, takes at most: CPU time in the child, waiting in
 /// the parent. Opening may read all of a recording, and decode it to see the order of its frames.
 constexpr std::uint64_t kSecondsPerFrame = 60, kBytesPerSecond = 1 << 20;
@@ -43,7 +44,13 @@ Answer put_frame(DecodedSource& source, std::int64_t index, const SharedFrames& 
     answer.bytes_per_level = sizeof(float);
     std::memcpy(to, picture.levels().data(), picture.levels().size_bytes());
   }
-  if (const CodedFrame* coded = source.coded(index)) answer.coded = *coded;
+  const CodedFrame* coded = source.coded(index);
+  if (coded && coded->cells.size() <= frames.cells()) {
+    answer.coded_columns = coded->columns;
+    answer.coded_rows = coded->rows;
+    answer.coded_type = coded->type;
+    std::memcpy(frames.coded(place), coded->cells.data(), coded->cells.size() * sizeof(CodedCell));
+  }
   return answer;
 }
 
@@ -199,11 +206,16 @@ class ContainedSource : public FrameSource {
     }
   }
   const CodedFrame* coded(std::int64_t index) const override {
-    const auto found = coded_.find(index);
-    return found == coded_.end() ? nullptr : &found->second;
+    const auto found = std::ranges::find(coded_, index, &CodedRecord::index);
+    return found == coded_.end() ? nullptr : &found->frame;
   }
 
  private:
+  struct CodedRecord {
+    std::int64_t index = 0;
+    CodedFrame frame;
+  };
+
   /// The next answer of a series, with its bytes.
   std::pair<Answer, std::string> receive(std::int64_t series) {
     constexpr std::uint64_t kMost = std::uint64_t{1} << 31;  // bytes: of stamps of 2^24 frames, a tenth
@@ -261,7 +273,15 @@ class ContainedSource : public FrameSource {
 
   void take(const Answer& answer, std::int64_t index) {
     bytes_per_level_ = std::clamp<std::int64_t>(answer.bytes_per_level, 1, sizeof(float));
-    if (answer.coded.step > 0) coded_[index] = answer.coded;
+    const std::int64_t columns = answer.coded_columns, rows = answer.coded_rows;
+    if (columns < 1 || rows < 1 || columns > info_.width || rows > info_.height || coded(index)) return;
+    const auto count = static_cast<std::size_t>(columns * rows);
+    if (count > frames_->cells()) return;
+    CodedFrame frame{static_cast<char>(answer.coded_type), static_cast<int>(columns), static_cast<int>(rows),
+                     std::vector<CodedCell>(count)};
+    std::memcpy(frame.cells.data(), frames_->coded(place_), count * sizeof(CodedCell));
+    if (coded_.size() == kCodedFrames) coded_.pop_front();
+    coded_.push_back({index, std::move(frame)});
   }
 
   Descriptor memory_;
@@ -272,7 +292,7 @@ class ContainedSource : public FrameSource {
   std::int64_t held_ = -1;      ///< its index
   std::int64_t last_step_ = 0;  ///< between the last two frames that were asked for
   std::int64_t bytes_per_level_ = 0;
-  std::map<std::int64_t, CodedFrame> coded_;
+  std::deque<CodedRecord> coded_;  ///< of the frames read last
 };
 
 }  // namespace

@@ -40,8 +40,8 @@ struct Answer {
   Outcome outcome = Outcome::done;
   std::uint64_t length = 0;
   // Of a frame, which lies in the shared memory.
-  std::int64_t bytes_per_level = 0;
-  CodedFrame coded = {};
+  std::int64_t bytes_per_level = 0, coded_columns = 0, coded_rows = 0;  ///< no columns: no CodedFrame
+  std::int64_t coded_type = 0;
 };
 
 inline bool send_bytes(int socket, const void* bytes, std::size_t count) {
@@ -157,14 +157,13 @@ class Archive {
   std::size_t at_ = 0;
 };
 
-/// Memory that both processes see: the levels of kAhead frames.
+/// Memory that both processes see: kAhead frames, each its levels and how they were coded.
 class SharedFrames {
  public:
   SharedFrames(int memory, const SourceInfo& info)
-      : bytes_of_frame_(
-            (static_cast<std::size_t>(info.width) * static_cast<std::size_t>(info.height) * sizeof(float) +
-             63) /
-            64 * 64) {
+      : levels_(static_cast<std::size_t>(info.width) * static_cast<std::size_t>(info.height) * sizeof(float)),
+        cells_((static_cast<std::size_t>(info.width) / CodedFrame::kCell + 2) *
+               (static_cast<std::size_t>(info.height) / CodedFrame::kCell + 2)) {
     void* mapped = ::mmap(nullptr, size(), PROT_READ | PROT_WRITE, MAP_SHARED, memory, 0);
     if (mapped == MAP_FAILED) throw std::bad_alloc();
     begin_ = static_cast<std::uint8_t*>(mapped);
@@ -173,13 +172,16 @@ class SharedFrames {
   SharedFrames(const SharedFrames&) = delete;
   SharedFrames& operator=(const SharedFrames&) = delete;
 
-  std::size_t size() const { return kAhead * bytes_of_frame_; }
+  std::size_t size() const { return kAhead * bytes_of_frame(); }
+  std::size_t cells() const { return cells_; }
   std::uint8_t* levels(std::int64_t place) const {
-    return begin_ + static_cast<std::size_t>(place) % kAhead * bytes_of_frame_;
+    return begin_ + static_cast<std::size_t>(place) % kAhead * bytes_of_frame();
   }
+  std::uint8_t* coded(std::int64_t place) const { return levels(place) + levels_; }
 
  private:
-  std::size_t bytes_of_frame_;
+  std::size_t bytes_of_frame() const { return (levels_ + cells_ * sizeof(CodedCell) + 63) / 64 * 64; }
+  std::size_t levels_, cells_;
   std::uint8_t* begin_ = nullptr;
 };
 

@@ -1,5 +1,6 @@
 #include "vision/formats/libav/libav.h"
 
+#include <libavutil/motion_vector.h>
 #include <libavutil/video_enc_params.h>
 #include <algorithm>
 #include <array>
@@ -188,6 +189,8 @@ void compute_levels(const AVFrame& frame, const Rect& window, Picture& picture) 
 
 namespace {
 
+constexpr int kCell = CodedFrame::kCell;
+
 int properties(AVCodecID id) {
   const AVCodecDescriptor* descriptor = avcodec_descriptor_get(id);
   return descriptor ? descriptor->props : 0;
@@ -210,22 +213,41 @@ std::string settings_of(const AVFrame& frame) {
   return {};
 }
 
-double step_of(AVCodecID id, int qp) {
-  return id == AV_CODEC_ID_H264 ? 0.625 * std::exp2(qp / 6.0) : qp;
+/// Calls with the cells, clipped to the frame, that a block covers.
+template <class Do>
+void for_cells(CodedFrame& coded, int x, int y, int width, int height, Do&& change) {
+  const int left = std::max(0, x / kCell), top = std::max(0, y / kCell);
+  const int right = std::min(coded.columns, (x + width + kCell - 1) / kCell);
+  const int bottom = std::min(coded.rows, (y + height + kCell - 1) / kCell);
+  for (int row = top; row < bottom; ++row)
+    for (int column = left; column < right; ++column)
+      change(coded.cells[static_cast<std::size_t>(row * coded.columns + column)]);
+}
+
+float step_of(AVCodecID id, int qp) {
+  return id == AV_CODEC_ID_H264 ? static_cast<float>(0.625 * std::exp2(qp / 6.0)) : static_cast<float>(qp);
 }
 
 void take_steps(const AVFrameSideData& data, AVCodecID id, CodedFrame& coded) {
   const auto* parameters = reinterpret_cast<const AVVideoEncParams*>(data.data);
-  double sum = 0, area = 0;
   for (unsigned i = 0; i < parameters->nb_blocks; ++i) {
     const auto& block = *reinterpret_cast<const AVVideoBlockParams*>(data.data + parameters->blocks_offset +
                                                                      i * parameters->block_size);
-    const double step = step_of(id, parameters->qp + block.delta_qp), size = block.w * block.h;
-    sum += step * size;
-    area += size;
-    coded.largest = std::max(coded.largest, step);
+    const float step = step_of(id, parameters->qp + block.delta_qp);
+    for_cells(coded, block.src_x, block.src_y, block.w, block.h, [&](CodedCell& cell) { cell.step = step; });
   }
-  if (area > 0) coded.step = sum / area;
+}
+
+/// A block without a vector is coded by itself; one of several vectors that moves makes it a moving one.
+void take_vectors(const AVFrameSideData& data, CodedFrame& coded) {
+  const std::span vectors(reinterpret_cast<const AVMotionVector*>(data.data),
+                          data.size / sizeof(AVMotionVector));
+  for (const AVMotionVector& v : vectors)
+    for_cells(coded, v.dst_x - v.w / 2, v.dst_y - v.h / 2, v.w, v.h, [&](CodedCell& cell) {
+      const bool moves = v.motion_x != 0 || v.motion_y != 0;
+      if (moves || cell.kind == CodedCell::Kind::intra)
+        cell.kind = moves ? CodedCell::Kind::moving : CodedCell::Kind::still;
+    });
 }
 
 /// Half a step where another frame predicts nothing: plain rounding.
@@ -241,7 +263,7 @@ double dead_zone_of(AVCodecID id, const std::string& settings) {
 
 void ask_for_coding(AVCodecContext& decoder) {
   if (!may_be_lossy(decoder.codec_id)) return;
-  decoder.export_side_data |= AV_CODEC_EXPORT_DATA_VIDEO_ENC_PARAMS;
+  decoder.export_side_data |= AV_CODEC_EXPORT_DATA_VIDEO_ENC_PARAMS | AV_CODEC_EXPORT_DATA_MVS;
 }
 
 std::optional<Coder> coder_of(const AVCodecContext& decoder, const AVFrame& first, const CodedFrame& coded) {
@@ -249,10 +271,12 @@ std::optional<Coder> coder_of(const AVCodecContext& decoder, const AVFrame& firs
   if (!may_be_lossy(id)) return std::nullopt;
   Coder coder;
   coder.settings = settings_of(first);
-  coder.step = coded.step;
+  coder.step = coded.mean_step();
   // Both kinds exist: a step below one grey level's rounding, or the coder's word.
   const bool may_be_lossless = (properties(id) & AV_CODEC_PROP_LOSSLESS) != 0;
-  if (may_be_lossless && coded.largest > 0 && coded.largest < 1) return std::nullopt;
+  const auto largest = std::ranges::max_element(coded.cells, {}, &CodedCell::step);
+  if (may_be_lossless && largest != coded.cells.end() && largest->step > 0 && largest->step < 1)
+    return std::nullopt;
   if (coder.settings.find(" lossless ") != std::string::npos) return std::nullopt;
   const bool named = !coder.settings.empty();
   coder.name = named ? coder.settings.substr(0, 4) : avcodec_get_name(id);
@@ -263,11 +287,18 @@ std::optional<Coder> coder_of(const AVCodecContext& decoder, const AVFrame& firs
 }
 
 CodedFrame coded_frame_of(const AVCodecContext& decoder, const AVFrame& frame, float table_step) {
+  CodedFrame coded;
   const char type = av_get_picture_type_char(frame.pict_type);
-  const auto step = static_cast<double>(table_step);
-  CodedFrame coded{type == 'S' ? 'P' : type, step, step};
-  if (const auto* steps = av_frame_get_side_data(&frame, AV_FRAME_DATA_VIDEO_ENC_PARAMS))
-    take_steps(*steps, decoder.codec_id, coded);
+  coded.type = type == 'S' ? 'P' : type;
+  const AVFrameSideData* steps = av_frame_get_side_data(&frame, AV_FRAME_DATA_VIDEO_ENC_PARAMS);
+  if (!steps && !(table_step > 0)) return coded;
+  coded.columns = (frame.width + kCell - 1) / kCell;
+  coded.rows = (frame.height + kCell - 1) / kCell;
+  coded.cells.assign(static_cast<std::size_t>(coded.columns * coded.rows),
+                     {CodedCell::Kind::intra, table_step});
+  if (steps) take_steps(*steps, decoder.codec_id, coded);
+  if (const auto* vectors = av_frame_get_side_data(&frame, AV_FRAME_DATA_MOTION_VECTORS))
+    take_vectors(*vectors, coded);
   return coded;
 }
 

@@ -145,9 +145,9 @@ void compute_levels(const AVFrame& frame, const Rect& window, Picture& picture);
 //   H.264   0.625 2^(QP / 6)                     (ITU-T H.264 8.5.9, with QP'_Y for more than 8 bits)
 //   MPEG-4  2 q, which is what libav hands out (mpegvideo_dec.c, ff_mpv_export_qp_table)
 //   MJPEG   the table's entry; here the median of those of the lowest ten frequencies, which hold an edge
-// HEVC, VP9 and AV1 tell no steps.
+// HEVC, VP9 and AV1 tell neither steps nor blocks.
 
-/// Asks the decoder for quantisers, where its coding is a lossy one. Before avcodec_open2.
+/// Asks the decoder for quantisers and motion vectors, where its coding is a lossy one. Before avcodec_open2.
 void ask_for_coding(AVCodecContext& decoder);
 
 /// From the first frame decoded. Nothing where the coding is lossless, by its kind or by its settings.
