@@ -173,6 +173,14 @@ Point mean_position(const Track& track) {
   return {sum.x / std::max(1.0, count), sum.y / std::max(1.0, count)};
 }
 
+/// px rms of a coordinate.
+double sd_of(const Track& track) {
+  double sum = 0, count = 0;
+  for (const TrackPoint& p : track.points)
+    if (p.status == TrackStatus::ok) sum += 0.5 * covariance_of(p).trace(), ++count;
+  return std::sqrt(sum / std::max(1.0, count));
+}
+
 /// A template's own frame fits itself, and leaves no residual for what the coder did there: it is known no
 /// better than the usual frame.
 void widen_first(Track& track) {
@@ -322,7 +330,9 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
   found.settings = coded.coder.settings;
   found.known = coded.coder.known;
   found.passes_differ = coded.passes_differ;
-  if (!(found.step > 0)) found.part_play = found.mark_play = std::numbers::sqrt2 * found.added_sd;
+  // Of a coder that tells nothing all errors may be its play, also those that the audit has counted.
+  if (!(found.step > 0) && !coded.coder.all_intra)
+    found.part_play = found.mark_play = std::numbers::sqrt2 * sd_of(track);
   found.slow_time = found.added_sd > 0 ? direction_time(track, found.unnoticed) : 0;
   if (found.added_sd > 0 && found.slow_time > 0)
     summary.slow.push_back({"coder", found.added_sd, found.slow_time});

@@ -14,7 +14,8 @@
 //
 // Where the coder tells neither steps nor blocks (HEVC, VP9, AV1) the measured law of such recordings,
 //   sd = (1.4 + 3 s) times that of blocks,
-// is used with s = 1.
+// is used with s = 1; and all errors count as play of b = sqrt2 sd, also those that the audit has found. On a
+// ray-traced platform through x265 and SVT-AV1 its amplitude is then 0.1 to 2.4 sd off.
 //
 // And the two passes are compared: pictures learnt from a coded recording hold the coder's own, which stand
 // still where the part moves by less than its edge is wide, and hold it back. What the second pass sees of

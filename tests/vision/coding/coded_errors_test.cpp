@@ -129,6 +129,28 @@ TEST_F(CodedTrackTest, FramesByThemselvesComeNeitherLateNorSmall) {
   EXPECT_LT(seen.rms / seen.sd, 1.3);
 }
 
+TEST(UnknownCoder, AllErrorsMayBeItsPlayWhoeverCountedThem) {
+  Track track;
+  for (int k = 0; k < 40; ++k) {
+    TrackPoint& p = track.points.emplace_back();
+    p.status = TrackStatus::ok;
+    p.x = std::cos(0.3 * k);
+    p.y = std::sin(0.3 * k);
+    p.sigma_x = p.sigma_y = 0.04;
+  }
+  TrackSummary summary;
+  summary.layered = true;
+  summary.audit.white_factor = 100;  // more than the law of such coders
+  CodedTrack coded;
+  for (int k = 0; k < 40; ++k) coded.frames.push_back({.index = k, .part = {}, .mark = {}});
+  widen_for_coding(coded, track, summary);
+  EXPECT_EQ(summary.coded->added_sd, 0);
+  EXPECT_NEAR(summary.coded->mark_play, 0.04 * std::numbers::sqrt2, 1e-12);
+  coded.coder.all_intra = true;
+  widen_for_coding(coded, track, summary);
+  EXPECT_EQ(summary.coded->mark_play, 0) << "nothing is predicted";
+}
+
 TEST(Forecast, GrowsWithTheStepAndFallsWithTheContrast) {
   Coder coder;
   coder.step = 10;
