@@ -61,6 +61,14 @@ Displacement displacement_from_alpha_v(const Estimate& alpha, const Estimate& ve
 /// cycle.
 Displacement measure_displacement(const TrackTable& track, const Estimate& angular_frequency, int cycles);
 
+/// A multiple of the drive's frequency in the platform's motion: an eccentric drive's second and third.
+struct Harmonic {
+  int order = 2;
+  Estimate amplitude, amplitude_y;  ///< m
+  /// Above its noise in x or y.
+  bool seen() const { return amplitude.value > 4 * amplitude.sd || amplitude_y.value > 4 * amplitude_y.sd; }
+};
+
 /// The platform's motion by a sine fit to all frames of the marker, eq. (1): xi = A cos(wt), eta = A_y cos(wt
 /// + epsilon), wt = w time + phase_at_zero.
 struct PlatformMotion {
@@ -74,9 +82,13 @@ struct PlatformMotion {
   /// wt at the middle of the track, where it is known best: there it is not correlated with w.
   Estimate phase_at_middle;  ///< rad, not brought into [0, 2 pi): = phase_at_zero + w middle_time mod 2 pi
   double middle_time = 0;    ///< s
+  /// dw/dt seen, rad/s^2, from the quadratic part of the phase. The other values are those of constant w.
+  std::optional<Estimate> frequency_drift;
+  std::vector<Harmonic> harmonics;  ///< 2 and 3, where the frames resolve them
   /// Relative, included in the sds of both amplitudes: what an unknown exposure can hide of them. All
   /// recordings of a camera share it.
   double exposure_doubt = 0;
+  bool frequency_drifts() const;  ///< the drift stands above 4 sd
 };
 
 /// The amplitude is that of the platform, not of its blurred picture: an exposure T shrinks the circle by

@@ -222,6 +222,12 @@ RunMeasurement measure_run(const std::string& name, const Track& track, const Gi
   }
   m.phase_clock = clock_of(m, given);
   measure_gate(name, track, given, m);
+  if (m.platform && m.platform->frequency_drifts())
+    m.warnings.push_back(fmt::format(
+        "{}: the platform's frequency drifts by {} rad/s^2, {:.2g} % of w over the recording; w is its mean",
+        name, quoted(m.platform->frequency_drift->value, m.platform->frequency_drift->sd),
+        100 * std::abs(m.platform->frequency_drift->value) * (track.table.time.back() - start) /
+            m.platform->angular_frequency.value));
   if (m.angular_frequency) {
     try {
       m.displacement = fit::measure_displacement(track.table, *m.angular_frequency, given.cycles);
@@ -294,6 +300,15 @@ Json measurement_json(const RunMeasurement& m, const Track& track) {
     put(json, "angular_frequency_rad_s", m.platform->angular_frequency);
     put(json, "phase_shift_rad", m.platform->phase_shift);
     put(json, "phase_at_zero_rad", m.platform->phase_at_zero);
+    if (m.platform->frequency_drift)
+      put(json, "angular_frequency_drift_rad_s2", *m.platform->frequency_drift);
+    json["harmonics"] = Json::array();
+    for (const fit::Harmonic& h : m.platform->harmonics) {
+      Json entry = {{"order", h.order}, {"seen", h.seen()}};
+      put(entry, "amplitude_mm", h.amplitude, 1e-3);
+      put(entry, "amplitude_y_mm", h.amplitude_y, 1e-3);
+      json["harmonics"].push_back(entry);
+    }
     json["platform_residual_rms_mm"] = m.platform->residual_rms * 1e3;
     json["sense"] = m.platform->clockwise ? "clockwise" : "counter-clockwise";
   } else if (m.angular_frequency) {

@@ -36,7 +36,8 @@ std::string measurement_text(const Json& json, const std::string& within) {
       text += measurement_text(value, place);
     } else if (value.is_array() && !value.empty() && value[0].is_object()) {
       for (std::size_t k = 0; k < value.size(); ++k)
-        text += measurement_text(value[k], fmt::format("{} {}", place, k + 1));
+        if (value[k].value("seen", true))
+          text += measurement_text(value[k], fmt::format("{} {}", place, k + 1));
     } else if (value.is_array() && !value.empty() && value[0].is_string()) {
       for (const Json& sentence : value)
         text += fmt::format("{:<36}{}\n", place, sentence.get<std::string>());

@@ -76,6 +76,10 @@ double widen(SineFit& fit, const MarkerSeries& marker) {
 
 }  // namespace
 
+bool PlatformMotion::frequency_drifts() const {
+  return frequency_drift && std::abs(frequency_drift->value) > 4 * frequency_drift->sd;
+}
+
 std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track) {
   if (track.marker.empty()) return std::nullopt;
   if (track.marker.size() != track.time.size())
@@ -93,6 +97,8 @@ std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track) {
   const internal::SineResiduals left = internal::analyse_residuals(marker, fit, white);
   if (left.near_w > kColoured * white) fit.covariance *= left.near_w / white;
   for (const Eigen::Index k : {2, 3, 6, 7}) fit.covariance(k, k) += left.repeating_variance;
+  motion.frequency_drift = left.frequency_drift;
+  motion.harmonics = left.harmonics;
   const Wave x = wave(fit, 0, marker.middle()), y = wave(fit, 1, marker.middle());
 
   // At rest: the sine is below the noise it sits in.

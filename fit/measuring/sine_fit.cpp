@@ -230,6 +230,37 @@ Linear fit_multiples(const MarkerSeries& marker, const std::vector<Eigen::Vector
   return solved(normal.selfadjointView<Eigen::Lower>(), right);
 }
 
+/// One Gauss-Newton step of the sine fit with the phase w t + q t^2 / 2: q.
+Estimate fit_drift(const MarkerSeries& marker, const std::vector<Eigen::Vector2d>& residuals,
+                   const SineFit& fit) {
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(10, 10);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(10);
+  for (std::size_t i = 0; i < marker.size(); ++i) {
+    const double t = marker.time(i);
+    const double c = std::cos(fit.w * t), s = std::sin(fit.w * t);
+    for (int axis = 0; axis < 2; ++axis) {
+      const auto k = fit.coefficients.col(axis);
+      const double by_phase = k(3) * c - k(2) * s;
+      Eigen::VectorXd row = Eigen::VectorXd::Zero(10);
+      row.segment<4>(4 * axis) << 1, t, c, s;
+      row(8) = t * by_phase;
+      row(9) = 0.5 * t * t * by_phase;
+      normal += marker.weight(i) * row * row.transpose();
+      right += marker.weight(i) * residuals[i](axis) * row;
+    }
+  }
+  const Linear solution = solved(normal, right);
+  return {solution.value(9), std::sqrt(solution.covariance(9, 9))};
+}
+
+Estimate amplitude_of(const Linear& solution, int order, double variance_factor, double repeating) {
+  const Eigen::Vector2d c = solution.value.segment<2>(2 * order);
+  const double amplitude = c.norm();
+  const Eigen::Vector2d along = amplitude > 0 ? Eigen::Vector2d(c / amplitude) : Eigen::Vector2d(1, 0);
+  const double variance = along.dot(solution.covariance.block<2, 2>(2 * order, 2 * order) * along);
+  return {amplitude, std::sqrt(variance_factor * variance + repeating)};
+}
+
 }  // namespace
 
 SineResiduals analyse_residuals(const MarkerSeries& marker, const SineFit& fit, double noise_factor) {
@@ -238,6 +269,8 @@ SineResiduals analyse_residuals(const MarkerSeries& marker, const SineFit& fit, 
   const double cycles = marker.span() * fit.w / (2 * pi);
   if (marker.size() < 40 || cycles < 3) return result;
   result.near_w = power_near(marker, residuals, fit.w);
+  const Estimate drift = fit_drift(marker, residuals, fit);
+  result.frequency_drift = {drift.value, drift.sd * std::sqrt(noise_factor)};
 
   // Multiples up to a little below half the frame rate.
   const double frames_a_cycle = static_cast<double>(marker.size()) / cycles;
@@ -253,6 +286,9 @@ SineResiduals analyse_residuals(const MarkerSeries& marker, const SineFit& fit, 
         ++count;
       }
   if (count > 0) result.repeating_variance = std::max(0.0, excess / count);
+  for (int order = 2; order <= std::min(3, highest); ++order)
+    result.harmonics.push_back({order, amplitude_of(x, order, noise_factor, result.repeating_variance),
+                                amplitude_of(y, order, noise_factor, result.repeating_variance)});
   return result;
 }
 

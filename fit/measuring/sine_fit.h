@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
+#include <vector>
 
 #include "fit/measurement.h"
 #include "fit/track_table.h"
@@ -51,6 +53,8 @@ struct SineResiduals {
   /// Variance of a cosine or sine coefficient at w by errors that repeat every cycle, m^2: mean square of the
   /// coefficients at 4w and above beyond their noise. 0 where the frames do not resolve them.
   double repeating_variance = 0;
+  std::optional<Estimate> frequency_drift;  ///< rad/s^2
+  std::vector<Harmonic> harmonics;
 };
 
 /// `noise_factor`: variance of the marker's noise over its sigma squared.

@@ -162,11 +162,16 @@ void add_measurement(const JsonPlace& m, ReportRun& run) {
   const auto value = [](const JsonPlace& from, const std::string& key, double unit = 1) {
     return fit::Estimate{number_at(from, key) * unit, number_at(from, key + "_sd") * unit};
   };
-  for (const char* key : {"alpha_rad", "v_mm_s", "amplitude_mm", "amplitude_y_mm", "angular_frequency_rad_s",
-                          "phase_shift_rad", "phase_at_zero_rad", "phi_rad", "dtau_rad"})
+  for (const char* key :
+       {"alpha_rad", "v_mm_s", "amplitude_mm", "amplitude_y_mm", "angular_frequency_rad_s", "phase_shift_rad",
+        "phase_at_zero_rad", "angular_frequency_drift_rad_s2", "phi_rad", "dtau_rad"})
     if (const fit::Estimate seen = value(m, key); !std::isnan(seen.value)) run.measured[key] = seen;
   run.cycles = m.integer("cycles", 0);
   if (const auto gate = m.find("gate")) run.gate_source = gate->text("source");
+  for (const JsonPlace& h : m.items("harmonics"))
+    if (h.boolean("seen", false))
+      run.harmonics.push_back(
+          {h.integer("order", 0), value(h, "amplitude_mm", 1e-3), value(h, "amplitude_y_mm", 1e-3)});
 }
 
 /// run.track, its picture and what is drawn from both.

@@ -40,8 +40,9 @@ struct ReportRun {
     const auto found = measured.find(key);
     return found == measured.end() ? fit::Estimate{no_value, no_value} : found->second;
   }
-  int cycles = 0;           ///< N
-  std::string gate_source;  ///< "lamp", "scope", "lamp and scope"; empty: as commanded
+  int cycles = 0;                        ///< N
+  std::vector<fit::Harmonic> harmonics;  ///< of the platform's motion, those above their noise
+  std::string gate_source;               ///< "lamp", "scope", "lamp and scope"; empty: as commanded
 
   Track track;  ///< at the scale used; empty without one
   std::size_t frames_ok() const { return track.frames - track.lost - track.edge - track.repeats; }

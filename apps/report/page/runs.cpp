@@ -133,6 +133,11 @@ std::string platform_numbers(const ReportRun& run) {
   add("Ay", "amplitude_y_mm", "mm");
   add("ω", "angular_frequency_rad_s", "rad/s");
   add("ε", "phase_shift_rad", "rad");
+  add("dω/dt", "angular_frequency_drift_rad_s2", "rad/s²");
+  for (const fit::Harmonic& h : run.harmonics)
+    parts.push_back(fmt::format("{}ω: {} mm along x, {} mm along y", h.order,
+                                quoted_value(1e3 * h.amplitude.value, 1e3 * h.amplitude.sd),
+                                quoted_value(1e3 * h.amplitude_y.value, 1e3 * h.amplitude_y.sd)));
   add("φ", "phi_rad", "rad");
   add("Δτ", "dtau_rad", "rad");
   if (!run.gate_source.empty()) parts.push_back("gate from the " + escape_html(run.gate_source));

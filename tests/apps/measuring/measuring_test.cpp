@@ -36,6 +36,7 @@ RunMeasurement measured() {
   p.angular_frequency = {62.8, 6e-5};
   p.phase_shift = {std::numbers::pi / 2, 8e-5};
   p.clockwise = true;
+  p.harmonics = {{2, {4e-7, 1e-8}, {1e-9, 1e-8}}, {3, {1e-9, 1e-8}, {1e-9, 2e-8}}};
   m.platform = p;
   m.phase_source = "marker";
   m.phase_at_start = -std::numbers::pi / 2;
@@ -49,14 +50,16 @@ TEST(MeasureText, EveryQuantityIsRoundedWhereItsStandardDeviationSays) {
   m.gate = gate;
   m.gate_reference = "camera";
   const std::string text = measurement_text(measurement_json(m, {}));
-  for (const char* line : {"dx_mm {}-3.02329(20)\n", "alpha_rad {}2.763746(89) (158.35 deg)\n",
-                           "v_mm_s {}1.62637(11)\n", "cycles {}20\n", "sense {}clockwise\n",
-                           "phi_rad {}1.0000(10) (57.30 deg)\n", "gate phi_counts_from {}camera\n"}) {
+  for (const char* line :
+       {"dx_mm {}-3.02329(20)\n", "alpha_rad {}2.763746(89) (158.35 deg)\n", "v_mm_s {}1.62637(11)\n",
+        "cycles {}20\n", "sense {}clockwise\n", "harmonics 1 amplitude_mm {}0.000400(10)\n",
+        "phi_rad {}1.0000(10) (57.30 deg)\n", "gate phi_counts_from {}camera\n"}) {
     std::string expected(line);
     const auto blanks = expected.find("{}");
     expected.replace(blanks, 2, 36 - blanks, ' ');
     EXPECT_THAT(text, HasSubstr(expected));
   }
+  EXPECT_THAT(text, Not(HasSubstr("harmonics 2")));  // none is seen
 }
 
 TEST(UnitSlip, NamesTheUsualOnes) {
