@@ -12,7 +12,6 @@
 #include "apps/program/errors.h"
 #include "apps/text/csv_table.h"
 #include "fit/measurement.h"
-#include "vision/clock.h"
 
 namespace tribotrack::apps {
 
@@ -28,59 +27,101 @@ struct Clock {
   std::string from, warning;
 };
 
-/// As a recording's stamps are judged; their tick is the last digit printed.
-vision::JudgedStamps judged(const std::filesystem::path& path, const PointSamples& samples) {
-  const double span = samples.time.back() - samples.time.front();
-  vision::ClockEvidence evidence;
-  evidence.tick_s = std::max(samples.time_step, 1e-12 * span);
-  evidence.by_camera = true;
-  for (const double time : samples.time) evidence.ticks.push_back(std::llround(time / evidence.tick_s));
-  vision::JudgedStamps stamps = vision::judge_stamps(evidence);
-  if (!(stamps.check.rate_hz > 0))
-    throw InvalidInput("{}: its times, {:.3g} s in all, are no times of frames: {}", path.string(), span,
-                       stamps.candidate.reason);
-  return stamps;
+/// The upper of two middle ones.
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Frame numbers as the times count them, from 0.
+std::vector<std::int64_t> numbered_by(const std::vector<double>& time, double step) {
+  std::vector<std::int64_t> numbers;
+  for (const double t : time) numbers.push_back(std::llround((t - time.front()) / step));
+  return numbers;
+}
+
+/// Interval between neighbours that are one frame apart, refined by the whole length.
+double interval_of(const std::filesystem::path& path, const std::vector<double>& time) {
+  constexpr double kMostFrames = 1e9;
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < time.size(); ++k) steps.push_back(time[k] - time[k - 1]);
+  double step = median_of(steps);
+  if (!(time.back() - time.front() < kMostFrames * step))
+    throw InvalidInput("{}: its times are no times of frames: most are {:.3g} s apart, all of them {:.3g} s",
+                       path.string(), step, time.back() - time.front());
+  // Rounded times have few values of step: count frames with an ever better one.
+  constexpr double kFirst = 8, kFurther = 1.5;
+  const double whole = time.back() - time.front();
+  for (double reach = kFirst * step; reach < kFurther * whole; reach *= kFurther) {
+    const auto beyond = std::upper_bound(time.begin(), time.end(), time.front() + reach);
+    const double span = *(beyond - 1) - time.front();
+    if (const double frames = std::round(span / step); frames > 0) step = span / frames;
+  }
+  return step;
+}
+
+/// t = a + b n by least squares.
+std::pair<double, double> line_through(const std::vector<std::int64_t>& n, const std::vector<double>& t) {
+  double mean_n = 0, mean_t = 0, nn = 0, nt = 0;
+  const auto count = static_cast<double>(n.size());
+  for (std::size_t k = 0; k < n.size(); ++k) {
+    mean_n += static_cast<double>(n[k]) / count;
+    mean_t += t[k] / count;
+  }
+  for (std::size_t k = 0; k < n.size(); ++k) {
+    nn += std::pow(static_cast<double>(n[k]) - mean_n, 2);
+    nt += (static_cast<double>(n[k]) - mean_n) * (t[k] - mean_t);
+  }
+  const double b = nt / nn;
+  return {mean_t - b * mean_n, b};
 }
 
 /// A rate at which films are played, not taken: Clock::warning.
 std::string playback_warning(double rate) {
-  constexpr double kFastest = 61;
-  if (rate > kFastest || !vision::usual_playback_rate(rate)) return "";
-  return fmt::format(
-      "its times follow each other at {:.4g} frames/s, at which films are played: if the camera was "
-      "faster, give frame_rate_hz in [camera] (--fps)",
-      rate);
+  for (const double played : {24000.0 / 1001, 24.0, 25.0, 30000.0 / 1001, 30.0, 50.0, 60000.0 / 1001, 60.0})
+    if (std::abs(rate / played - 1) < 1e-4)
+      return fmt::format(
+          "its times follow each other at {:.4g} frames/s, at which films are played: if the camera was "
+          "faster, give frame_rate_hz in [camera] (--fps)",
+          rate);
+  return "";
 }
 
 Clock clock_of(const std::filesystem::path& path, const PointSamples& samples, const TrackReading& reading,
                bool frames_in_file) {
-  const bool times = samples.time.size() > 1;
-  if (!times && !reading.frame_rate_hz)
-    throw InvalidInput(
-        "{}: has no times; give the rate at which its frames were taken, frame_rate_hz in [camera] (--fps)",
-        path.string());
   Clock clock;
   clock.frame = samples.frame;
-  clock.time = samples.time;
-  const vision::JudgedStamps stamps = times ? judged(path, samples) : vision::JudgedStamps{};
-  if (!stamps.slots.empty() && !frames_in_file) clock.frame = stamps.slots;
+  const bool times = samples.time.size() > 1;
   if (reading.frame_rate_hz) {
-    clock.time.clear();
+    if (times && !frames_in_file) clock.frame = numbered_by(samples.time, interval_of(path, samples.time));
     for (const std::int64_t frame : clock.frame)
       clock.time.push_back(static_cast<double>(frame) / *reading.frame_rate_hz);
     clock.rate_hz = reading.frame_rate_hz;
     clock.from = "frame numbers and the given rate";
     return clock;
   }
-  clock.rate_hz = stamps.check.rate_hz;
-  clock.from = stamps.slots.empty() ? "times in the file" : "times in the file, on an even grid";
+  if (!times)
+    throw InvalidInput(
+        "{}: has no times; give the rate at which its frames were taken, frame_rate_hz in [camera] (--fps)",
+        path.string());
+  clock.time = samples.time;
+  const double step = interval_of(path, samples.time);
+  const std::vector<std::int64_t> numbers = numbered_by(samples.time, step);
+  const auto [start, interval] = line_through(numbers, samples.time);
+  double off = 0;
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    off = std::max(off, std::abs(samples.time[k] - start - interval * static_cast<double>(numbers[k])));
+  const bool even = off <= 0.6 * samples.time_step;
+  const bool distinct = std::adjacent_find(numbers.begin(), numbers.end()) == numbers.end();
+  if (even && distinct) {
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+      clock.time[k] = start + interval * static_cast<double>(numbers[k]);
+    if (!frames_in_file) clock.frame = numbers;
+  }
+  clock.rate_hz = 1 / interval;
+  clock.from = even && distinct ? "times in the file, on an even grid" : "times in the file";
   clock.warning = playback_warning(*clock.rate_hz);
-  double start = 0;  // of slot 0, the mean of what all times say
-  for (std::size_t k = 0; k < stamps.slots.size(); ++k)
-    start += (samples.time[k] - static_cast<double>(stamps.slots[k]) / *clock.rate_hz) /
-             static_cast<double>(stamps.slots.size());
-  for (std::size_t k = 0; k < stamps.slots.size(); ++k)
-    clock.time[k] = start + static_cast<double>(stamps.slots[k]) / *clock.rate_hz;
   return clock;
 }
 

@@ -1,4 +1,4 @@
-#include "vision/clock.h"
+#include "vision/timing/clock.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,9 +8,9 @@
 #include <ctime>
 #include <fstream>
 
-#include "vision/clock.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
+#include "vision/timing/clock.h"
 
 namespace tribotrack::vision {
 namespace {

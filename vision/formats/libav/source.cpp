@@ -6,12 +6,12 @@
 #include <numeric>
 #include <span>
 
-#include "vision/clock.h"
 #include "vision/formats/contained/contained.h"
 #include "vision/formats/libav/libav.h"
 #include "vision/formats/photron/photron.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
+#include "vision/timing/clock.h"
 
 namespace tribotrack::vision {
 namespace {

@@ -10,11 +10,11 @@
 #include <initializer_list>
 #include <string_view>
 
-#include "vision/clock.h"
 #include "vision/formats/cine/cine.h"
 #include "vision/formats/pictures/pictures.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
+#include "vision/timing/clock.h"
 
 namespace tribotrack::vision {
 namespace {

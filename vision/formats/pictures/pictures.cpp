@@ -4,13 +4,13 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "vision/clock.h"
 #include "vision/formats/contained/contained.h"
 #include "vision/formats/photron/photron.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
 #include "vision/io/picture_files.h"
 #include "vision/temporary_file.h"
+#include "vision/timing/clock.h"
 
 namespace tribotrack::vision {
 namespace {

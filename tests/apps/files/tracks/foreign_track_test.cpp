@@ -218,6 +218,22 @@ TEST_F(ForeignTracks, AGivenRateBeatsTheTimesOfAFilmPlayedSlowly) {
   expect_same(moved(file), moved(read(plain())), 1e-11);
 }
 
+// By a step's third: as a clock that other work disturbs. Rows 80 to 94 are missing.
+TEST_F(ForeignTracks, TimesThatVaryCountFramesForAGivenRate) {
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> off(-0.15, 0.15);
+  std::string text = "t_s,x_mm,y_mm\n";
+  for (int k = 0; k < kFrames; ++k)
+    if (k < 80 || k >= 95)
+      text += fmt::format("{},{},{}\n", (k + off(random)) / 30, motion.part[k].x(), motion.part[k].y());
+  TrackReading reading;
+  reading.frame_rate_hz = kRate;
+  const Track file = read(text, reading);
+  EXPECT_EQ(file.table.frame[79], 79);
+  EXPECT_EQ(file.table.frame[80], 95);
+  EXPECT_EQ(file.table.frame.back(), kFrames - 1);
+}
+
 TEST_F(ForeignTracks, FramesChooseAStretch) {
   TrackReading reading;
   reading.first_frame = 100;
