@@ -57,7 +57,8 @@ Unknowns::Unknowns(const Problem& problem)
     if (condition.sd > 0 && !find(condition.quantity)) common_.push_back(condition.quantity);
   const double threshold = sliding_threshold().value_or(0.2);
   for (const auto parameter : common_)
-    transforms_.emplace_back(facts(parameter).axis, unit_of(parameter, reference_frequency(), threshold));
+    transforms_.emplace_back(facts(parameter).transform,
+                             unit_of(parameter, reference_frequency(), threshold));
 
   const auto add = [&](Nuisance kind, std::size_t run, const Eigen::VectorXd& guess,
                        const Eigen::VectorXd& scale, const Eigen::MatrixXd& known = {}) {

@@ -10,9 +10,9 @@ namespace tribotrack::fit::internal {
 enum class Sort { number, not_negative, positive, phase, tilt };
 
 struct ParameterFacts {
-  const char* name;    ///< as in campaigns
-  const char* source;  ///< as a source of error in the budget; null: it is one by its prior alone
-  Transform::Kind axis;
+  const char* name;           ///< as in campaigns
+  const char* source;         ///< as a source of error in the budget; null: it is one by its prior alone
+  Transform::Kind transform;  ///< to the axis on which it is searched for
   Sort sort;
   bool is_angle() const { return sort == Sort::phase || sort == Sort::tilt; }
   /// Its changes are given in per cent of its own value.
@@ -22,8 +22,10 @@ const ParameterFacts& facts(FitParameter parameter);
 
 /// Conditions of the first driven run, or of the first one where none is driven.
 struct Reference {
-  double amplitude = 0;  ///< of the longer axis
-  double angular_frequency = 1, gravity = 9.81, tilt_x = 0, tilt_y = 0;
+  double amplitude = 0;           ///< m, of the longer axis
+  double angular_frequency = 1;   ///< rad/s
+  double gravity = 9.81;          ///< m/s^2
+  double tilt_x = 0, tilt_y = 0;  ///< rad
   /// Value of a parameter that is neither fitted nor fixed: 0 where runs have none.
   double as_given(FitParameter parameter) const;
 };
