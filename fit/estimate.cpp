@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -89,13 +91,22 @@ class Estimation {
   bool rejected() const { return p_value_ < kSurprise; }
   double chi2() const { return minimum_.chi2; }
   const std::vector<Outlier>& outliers() const { return result_.outliers; }
+  double value_of(FitParameter parameter) const {
+    return unknowns_.value_of(parameter, unknowns_.values(minimum_.z));
+  }
+  /// Of Problem::free.
+  std::map<FitParameter, double> estimates_alone() const;
+  /// By how much friction differs from track to track, relative, of tracks with errors of their own in it.
+  double scatter_of_friction() const;
+  /// As an explanation of another fit to the same runs.
+  Explanation scatter_explained(const Estimation& other) const;
   /// Where the residuals exceed their sigma: scatter, correlated errors, robust weights.
   void explain_excess_variance();
   void quantify_uncertainty();
   /// Estimates and runs alone.
   FitResult estimates();
   /// What the fit says before anything is explained, with intervals from the covariance.
-  FitResult assumed();
+  FitResult assumed() const;
   /// With what determines them and what checks them.
   FitResult report();
   /// What to film next.
@@ -120,8 +131,9 @@ class Estimation {
   Search search_;
   std::size_t led_here_ = 0;  ///< of search_.minima, to minimum_
   Minimum minimum_;
-  double p_value_ = 1;  ///< with the scatter of repeated runs
-  double excess_ = 1;   ///< chi^2/dof before any scatter was estimated
+  Eigen::VectorXd by_displacements_;  ///< of tracks: where what they moved has its minimum
+  double p_value_ = 1;                ///< with the scatter of repeated runs
+  double excess_ = 1;                 ///< chi^2/dof before any scatter was estimated
   CorrelatedEstimate correlated_;
   // At the final minimum:
   Minimum best_;
@@ -134,7 +146,14 @@ class Estimation {
 
 void Estimation::find_minimum() {
   residuals_.set_own_errors(unknowns_.first_guess());
-  search_ = multi_start(residuals_, options_);
+  const bool tracks = problem_.has_driven_tracks();
+  if (tracks) {
+    DisplacementSearch found = search_by_displacements(residuals_, options_);
+    search_ = std::move(found.search);
+    by_displacements_ = std::move(found.place);
+  } else {
+    search_ = multi_start(residuals_, options_);
+  }
   if (search_.minima.empty()) {
     std::string why;
     residuals_.at(unknowns_.first_guess(), false, &why);
@@ -144,7 +163,9 @@ void Estimation::find_minimum() {
   result_.starts_screened = static_cast<int>(search_.sample.size());
   result_.starts = search_.starts;
   result_.starts_at_best = search_.at_best;
-  const Lowest lowest = lowest_minimum(residuals_, search_, options_.threads);
+  if (tracks) residuals_.linearise(unknowns_.values(search_.minima.front().z));
+  const Lowest lowest = tracks ? Lowest{minimise_linearised(residuals_, search_.minima.front().z)}
+                               : lowest_minimum(residuals_, search_, options_.threads);
   minimum_ = lowest.minimum;
   led_here_ = lowest.from;
   if (std::any_of(problem_.summary_runs.begin(), problem_.summary_runs.end(),
@@ -217,6 +238,13 @@ void Estimation::explain_excess_variance() {
   const bool scattered = p_value_ < (known ? kSurprise : kDoubt);
   const Reweighting reweighting{options_.estimate_scatter && problem_.has_driven_tracks(),
                                 options_.estimate_scatter && scattered, options_.loss};
+  // Where points reject the model the lowest chi^2 by their own errors may lie far from where displacements
+  // do.
+  if (rejected() && by_displacements_.size() > 0) {
+    residuals_.linearise(unknowns_.values(by_displacements_));
+    minimum_ = {};
+    minimum_.z = by_displacements_;
+  }
   if (reweighting.correlated_errors || reweighting.scatter || options_.loss != Loss::squares)
     correlated_ = reweighted_fit(residuals_, minimum_, reweighting);
 }
@@ -303,7 +331,8 @@ void Estimation::take(std::size_t index) {
 void Estimation::quantify_uncertainty() {
   // What the residuals need beyond the repetitions' scatter is estimated from them.
   if (rejected()) result_.scatter_from_replicates = false;
-  if (residuals_.linear_in_conditions() && any(residuals_.excess_variance()))
+  const ExcessVariance& excess = residuals_.excess_variance();
+  if (residuals_.linear_in_conditions() && (any(excess) || excess.correlated != CorrelatedVariances{}))
     minimum_ = minimise_linearised(residuals_, minimum_.z);
   minimum_.z = fold_lag(unknowns_, minimum_.z);
   evaluate_curvature(minimum_);
@@ -328,12 +357,48 @@ void Estimation::describe() {
   fill_correlated_errors(residuals_, result_);
 }
 
-FitResult Estimation::assumed() {
+FitResult Estimation::assumed() const {
   FitResult result = result_;
   const Minimum here = linearised(residuals_, minimum_);
   const Eigen::VectorXd values = unknowns_.values(fold_lag(unknowns_, minimum_.z));
   result.as_assumed = estimates_under(unknowns_, values, uncertainty(unknowns_, values, here.at).covariance);
   return result;
+}
+
+std::map<FitParameter, double> Estimation::estimates_alone() const {
+  std::map<FitParameter, double> values;
+  for (const FitParameter parameter : problem_.free) values[parameter] = value_of(parameter);
+  return values;
+}
+
+double Estimation::scatter_of_friction() const {
+  const Eigen::VectorXd values = unknowns_.values(minimum_.z);
+  double square = 0, count = 0;
+  for (const NuisanceBlock& block : unknowns_.nuisances()) {
+    if (block.kind != Nuisance::own) continue;
+    const auto& own = problem_.trajectory_runs[block.run].own.parameters;
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      if (own[k] != model::Parameter::mu1 && own[k] != model::Parameter::mu2) continue;
+      const double mu = value_of(own[k] == model::Parameter::mu1 ? FitParameter::mu1 : FitParameter::mu2);
+      square += std::pow(values(block.first + static_cast<Eigen::Index>(k)) / mu, 2);
+      ++count;
+    }
+  }
+  return std::sqrt(square / std::max(1.0, count - 2));
+}
+
+Explanation Estimation::scatter_explained(const Estimation& other) const {
+  Explanation found;
+  found.name = "run_scatter";
+  found.unit = "%";
+  found.dof = 1;
+  found.chi2_fall = other.chi2() - chi2();
+  found.size = 100 * scatter_of_friction();
+  found.size_sd = found.size / std::sqrt(2.0 * static_cast<double>(problem_.trajectory_runs.size()));
+  found.p_after = p_value_;
+  found.parameters = assumed().as_assumed;
+  found.refitted = found.explains = true;
+  return found;
 }
 
 FitResult Estimation::estimates() {
@@ -430,6 +495,88 @@ void set_course(Problem& problem) {
   for (TrajectoryRun& run : problem.trajectory_runs) run.course = next();
 }
 
+struct Explained {
+  std::vector<ExplainedProblem> list;
+  std::optional<Quoted> quoted;
+};
+
+/// What explains the residuals, and from where fits under explanations ended the minimum once more, where
+/// that is lower.
+Explained explain(const Problem& problem, Estimation& fit, const FitOptions& options) {
+  Explained result;
+  const bool squares = options.loss == Loss::squares;  // robust weights are an answer of their own
+  constexpr int kMostTimes = 2;
+  bool again = true;
+  for (int k = 0; again && k < kMostTimes; ++k) {
+    std::vector<Eigen::VectorXd> ends;
+    result = {fit.explanations(), std::nullopt};
+    for (const ExplainedProblem& explanation : result.list)
+      if (explanation.values.size() > 0) ends.push_back(explanation.values);
+    if (fit.rejected() && squares)
+      result.quoted = explained(problem, fit.chi2(), result.list, fit.outliers(), [&](const Problem& next) {
+        Estimation there(next, options);
+        there.find_minimum();
+        ends.push_back(there.values_for(fit));
+        const FitResult assumed = there.assumed();
+        return Refit{assumed.chi2, assumed.p_value, assumed.as_assumed,
+                     assumed.p_value > kExplained ? std::vector<ExplainedProblem>{} : there.explanations()};
+      });
+    again = k + 1 < kMostTimes && fit.rejected() && fit.lower_from(ends);
+  }
+  return result;
+}
+
+/// Of driven tracks that reject the model: runs that contradict the others, and friction that differs from
+/// run to run. Either takes the minimum with it. Bad runs show in displacements, to a usual scatter; how much
+/// friction differs the points of each run tell. Nothing where they reject the model still.
+Explained explain_tracks(const Problem& problem, const Estimation& fit, const FitOptions& options) {
+  constexpr double kUsual = 0.05;  ///< of friction, from run to run
+  if (!problem.has_driven_tracks() || !fit.rejected()) return {};
+  Quoted under{problem, {}, {}};
+  const auto with_scatter = [&](double relative) {
+    return with_run_scatter(under.problem, relative, fit.value_of(FitParameter::mu1),
+                            fit.value_of(FitParameter::mu2));
+  };
+  const Problem ends = by_displacements(with_scatter(kUsual));
+  Estimation by_ends(ends, options);
+  by_ends.find_minimum();
+  by_ends.test_residuals();
+  Explained result = explain(ends, by_ends, options);
+  std::erase_if(result.list,
+                [](const ExplainedProblem& e) { return !(e.found.name == "bad_run" && e.found.explains); });
+  std::vector<TrajectoryRun>& tracks = under.problem.trajectory_runs;
+  if (result.quoted)
+    for (const SummaryRun& run : result.quoted->problem.summary_runs)
+      if (run.held_out &&
+          std::erase_if(tracks, [&](const auto& track) { return track.name == run.name; }) > 0) {
+        under.problem.summary_runs.push_back(run);
+        under.under.push_back("run '" + run.name + "' left out: it contradicts the others");
+      }
+  result.quoted.reset();
+  if (tracks.size() < problem.trajectory_runs.size()) {
+    Estimation others(under.problem, options);
+    others.find_minimum();
+    others.test_residuals();
+    if (!others.rejected()) {
+      under.problem.start = others.estimates_alone();
+      result.quoted = std::move(under);
+      return result;
+    }
+  }
+  const Problem wide = with_scatter(kUsual);
+  Estimation apart(wide, options);
+  apart.find_minimum();
+  apart.test_residuals();
+  if (apart.rejected()) return {};
+  under.problem = with_scatter(apart.scatter_of_friction());
+  under.problem.start = apart.estimates_alone();
+  Explanation scatter = apart.scatter_explained(fit);
+  under.under.push_back(sentence_of(scatter));
+  result.list.push_back({std::move(scatter), {}, {}});
+  result.quoted = std::move(under);
+  return result;
+}
+
 }  // namespace
 
 FitResult estimate(const Problem& given, const FitOptions& wanted) {
@@ -451,29 +598,12 @@ FitResult estimate(const Problem& given, const FitOptions& wanted) {
   Estimation fit(problem, options, between ? &*between : nullptr);
   fit.find_minimum();
   fit.test_residuals();
-  // Driven tracks are explained once their correlated errors are known.
-  if (problem.has_driven_tracks()) fit.explain_excess_variance();
-  std::vector<ExplainedProblem> list;
-  std::optional<Quoted> quoted;
-  const bool squares = options.loss == Loss::squares;  // robust weights are an answer of their own
-  constexpr int kMostTimes = 2;
-  bool again = true;
-  for (int k = 0; again && k < kMostTimes; ++k) {
-    std::vector<Eigen::VectorXd> ends;
-    list = fit.explanations();
-    for (const ExplainedProblem& explanation : list)
-      if (explanation.values.size() > 0) ends.push_back(explanation.values);
-    quoted.reset();
-    if (fit.rejected() && squares)
-      quoted = explained(problem, fit.chi2(), list, fit.outliers(), [&](const Problem& next) {
-        Estimation there(next, options);
-        there.find_minimum();
-        ends.push_back(there.values_for(fit));
-        const FitResult result = there.assumed();
-        return Refit{result.chi2, result.p_value, result.as_assumed,
-                     result.p_value > kExplained ? std::vector<ExplainedProblem>{} : there.explanations()};
-      });
-    again = k + 1 < kMostTimes && fit.rejected() && fit.lower_from(ends);
+  auto [list, quoted] = explain_tracks(problem, fit, options);
+  if (!quoted) {
+    Explained all = explain(problem, fit, options);
+    list.insert(list.end(), std::make_move_iterator(all.list.begin()),
+                std::make_move_iterator(all.list.end()));
+    quoted = std::move(all.quoted);
   }
   FitOptions nearby;
   std::optional<Estimation> under;

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "model/scenario.h"
 
@@ -41,6 +42,10 @@ constexpr std::size_t kMostRivalLaws = 8;
 /// stands, unless at the speed A w friction as a whole were negative: it would push the part.
 Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const RivalLaw> laws,
                                      double tolerance = 1e-9);
+
+/// The same at `times`, s from the start, ascending: x and y of each below each other.
+Eigen::MatrixXd rival_positions(const Scenario& scenario, const std::vector<double>& times,
+                                std::span<const RivalLaw> laws, double tolerance = 1e-9);
 
 /// Under one law.
 Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance = 1e-9);

@@ -135,6 +135,12 @@ Problem with_run_scatter(Problem problem, double relative, double mu1, double mu
     run.own.add(model::Parameter::mu2, std::pow(relative * mu2, 2));
     run.own.add(model::Parameter::mu1, model::Parameter::mu2, relative * relative * mu1 * mu2);
   }
+  for (TrajectoryRun& run : problem.trajectory_runs) {  // points tell the two apart
+    if (run.free_slide) continue;
+    run.own.add(model::Parameter::mu1, std::pow(relative * mu1, 2));
+    if (run.scenario.friction.pulse_width > 0)
+      run.own.add(model::Parameter::mu2, std::pow(relative * mu2, 2));
+  }
   return problem;
 }
 

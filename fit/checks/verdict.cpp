@@ -77,8 +77,13 @@ void judge(FitResult& result) {
   const bool repeated = result.scatter_from_replicates;
   // Points of a track err alike for longer than chi^2 knows; their errors are estimated from them.
   const bool tracks = std::ranges::any_of(result.runs, [](const RunResult& run) { return run.points > 0; });
+  const bool driven_tracks = tracks && result.slides.empty();
   const bool robust = result.loss != Loss::squares;
-  if (rejected && result.quoted_under.empty() && !repeated && !tracks && !robust)
+  // Errors of tracking are no larger than that.
+  constexpr double kMostOfTracking = 5;  // in sds of the points
+  const bool by_tracking =
+      tracks && !(driven_tracks && result.chi2 > std::pow(kMostOfTracking, 2) * result.dof);
+  if (rejected && result.quoted_under.empty() && !repeated && !by_tracking && !robust)
     reasons.push_back(rejection(result) + ", and nothing looked at explains it");
   if (!reasons.empty()) return;
   if (rejected && !result.quoted_under.empty())

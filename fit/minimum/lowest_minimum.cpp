@@ -32,6 +32,8 @@ Minimum homed_in(Residuals residuals, const Eigen::VectorXd& z, std::span<const 
   for (const double share : shares) {
     ExcessVariance wide = own;
     wide.runs = std::hypot(own.runs, share * typical);
+    for (std::size_t i = 0; share > 0 && i < wide.trajectories.size(); ++i)
+      wide.trajectories[i] = {share * typical, static_cast<double>(residuals.track(i).points())};
     residuals.set_excess_variance(wide);
     there = minimise_linearised(residuals, there.z, {.full_steps = kSteps});
     if (there.at.empty()) break;

@@ -95,10 +95,8 @@ std::vector<Eigen::VectorXd> starts_of(Search& search, const Residuals& residual
   if (wanted == 1 || guessed(unknowns)) starts.push_back(unknowns.z(unknowns.first_guess()));
   if (wanted > 1) {
     search.sample = screen(residuals, options.threads, points);
-    constexpr std::size_t kTracks = 6;  ///< basins that a fit to tracks, whose descents cost much, looks into
-    const std::size_t most = unknowns.problem().trajectory_runs.empty() ? wanted : std::min(wanted, kTracks);
     for (const auto& point : basins(unknowns, search.sample, refinable(residuals)))
-      if (starts.size() < most) starts.push_back(point.z);
+      if (starts.size() < wanted) starts.push_back(point.z);
   }
   if (starts.empty()) starts.push_back(unknowns.z(unknowns.first_guess()));
   return starts;

@@ -41,6 +41,17 @@ struct Lowest {
 /// small it ends in a valley from which no descent leads out.
 Lowest lowest_minimum(Residuals& residuals, const Search& search, int threads);
 
+/// The same campaign with what its driven tracks moved over whole cycles in their place: two numbers a run.
+/// One shorter than a turn stays a track.
+Problem by_displacements(Problem problem);
+
+/// The minima of driven tracks, each from one of their displacements, whose lowest is at `place`.
+struct DisplacementSearch {
+  Search search;
+  Eigen::VectorXd place;
+};
+DisplacementSearch search_by_displacements(const Residuals& residuals, const FitOptions& options);
+
 /// From z, first as if the model were good to a tenth of a typical displacement, then better and better: what
 /// is fitted finds its valley while the conditions stay near what is known of them, and these take their part
 /// as it is asked for. The minimum at the last of the shares, to a few per cent of a standard deviation;

@@ -75,22 +75,6 @@ Look look_at(const model::Scenario& scenario, bool amplitude_from_track, const E
   return {scenario, amplitude_from_track, measured, factor.inverse_lower()};
 }
 
-/// A trajectory's displacement over its whole cycles, in which the platform's own motion cancels.
-std::optional<Look> look_at(const TrajectoryRun& run) {
-  if (run.free_slide) return std::nullopt;
-  const auto& track = run.track;
-  const double period = 2 * std::numbers::pi / run.scenario.drive.angular_frequency;
-  const double cycles = std::floor((track.time.back() - track.time.front()) / period + 1e-6);
-  if (cycles < 1) return std::nullopt;
-  const double end = track.time.front() + cycles * period;
-  const auto after = std::lower_bound(track.time.begin(), track.time.end(), end - 1e-9);
-  const auto k = static_cast<std::size_t>(std::min(after, track.time.end() - 1) - track.time.begin());
-  Look look = look_at(run.scenario, run.amplitude_from_track, track.position[k] - track.position.front(),
-                      track.covariance[k] + track.covariance.front());
-  look.scenario.duration = track.time[k] - track.time.front();
-  return look;
-}
-
 bool alike(const model::Scenario& a, const model::Scenario& b) {
   const auto near = [](double x, double y) { return std::abs(x - y) <= 0.02 * std::abs(y); };
   return std::abs(a.friction.pulse_width - b.friction.pulse_width) < 0.05 &&
@@ -120,8 +104,6 @@ std::vector<Look> looks(const Residuals& residuals) {
     if (run.measured.duration > 0) look.scenario.duration = run.measured.duration;
     all.push_back(look);
   }
-  for (const auto& run : problem.trajectory_runs)
-    if (const auto look = look_at(run)) all.push_back(*look);
   std::vector<const model::Scenario*> scenarios;
   for (const Look& look : all) scenarios.push_back(&look.scenario);
   std::vector<Look> chosen;

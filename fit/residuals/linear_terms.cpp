@@ -16,11 +16,12 @@ namespace tribotrack::fit::internal {
 namespace {
 
 /// Of motions that are subtracted from each other: their errors cancel for the most part.
-constexpr double kTolerance = 1.5e-5;
+constexpr double kTolerance = 1e-6;
 
-/// A step far above the integration's error over which a displacement is still linear.
+/// A step far above the integration's error over which a displacement is still linear: near the threshold of
+/// sliding that is not far.
 double step_of(FitParameter law) {
-  return law == FitParameter::viscous ? 0.01 : law == FitParameter::gate_edges ? 0.001 : 0.002;
+  return law == FitParameter::viscous ? 1e-3 : law == FitParameter::gate_edges ? 1e-4 : 2e-4;
 }
 
 /// A search that strays beyond all sense (w of 1e26 rad/s) would integrate without end: there is no motion
@@ -44,38 +45,66 @@ model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values) 
           .static_friction = of(FitParameter::static_friction)};
 }
 
-/// What laws add to a run's displacement, and its derivatives.
+/// Derivatives of a track's places by mu1 and mu2 under the paper's law.
+Eigen::MatrixX2d points_by_mu(const AppliedScenario& applied, const std::vector<double>& times,
+                              double tolerance) {
+  Eigen::Matrix2Xd positions;
+  Eigen::MatrixXd by_mu;
+  model::IntegrationOptions options;
+  options.tolerance = tolerance;
+  options.derivatives = {model::Parameter::mu1, model::Parameter::mu2};
+  model::integrate(applied.scenario, options).positions_at(times, 0, positions, &by_mu);
+  return by_mu / applied.scale;
+}
+
+/// What laws add to a run's places, x and y of each below each other, and its derivatives.
 struct AddedByLaws {
-  Eigen::Vector2d added = Eigen::Vector2d::Zero();
-  Eigen::Matrix2Xd by_laws;  ///< by the laws among the unknowns
-  Eigen::Matrix2Xd bend;     ///< by the others
+  Eigen::VectorXd added;
+  Eigen::MatrixXd by_laws;  ///< by the laws among the unknowns
+  Eigen::MatrixXd bend;     ///< by the others
 };
 
+/// A step of one of the model's parameters, small against what makes a motion another.
+double step_of(model::Parameter parameter, const model::Scenario& scenario) {
+  constexpr double kShare = 1e-5, kAngle = 1e-4;
+  const bool sized = parameter == model::Parameter::amplitude || parameter == model::Parameter::amplitude_y ||
+                     parameter == model::Parameter::gravity;
+  if (sized) return 10 * kShare * std::max(scenario.get(parameter), 1e-9);
+  if (parameter == model::Parameter::angular_frequency) return 0.1 * kShare * scenario.get(parameter);
+  const bool tilt = parameter == model::Parameter::tilt_x || parameter == model::Parameter::tilt_y;
+  return tilt ? kShare : kAngle;
+}
+
 /// The derivatives of what laws add, with the chain from the run's friction to the unknowns.
-Eigen::Matrix2Xd bend_of(const AppliedScenario& applied, const Eigen::Vector2d& added,
-                         const Eigen::Matrix2d& by_mu) {
-  Eigen::Matrix2Xd bend = Eigen::Matrix2Xd::Zero(2, applied.chain.cols());
+Eigen::MatrixXd bend_of(const AppliedScenario& applied, const Eigen::VectorXd& added,
+                        const Eigen::MatrixX2d& by_mu) {
+  Eigen::MatrixXd bend = Eigen::MatrixXd::Zero(added.size(), applied.chain.cols());
   const model::Drive& drive = applied.scenario.drive;
   // epsilon = +pi/2 circles clockwise: a later pulse turns the drift by -lag. Along a line it does not.
   const double turning = -std::sin(drive.phase_shift) * std::min(drive.amplitude, drive.amplitude_y) /
                          std::max({drive.amplitude, drive.amplitude_y, 1e-300});
+  Eigen::Matrix2Xd turned = added.reshaped(2, added.size() / 2).colwise().reverse();
+  turned.row(0) *= -turning;
+  turned.row(1) *= turning;
   for (std::size_t i = 0; i < applied.wanted.size(); ++i) {
     const Eigen::RowVectorXd chain = applied.chain.row(static_cast<Eigen::Index>(i));
     if (applied.wanted[i] == model::Parameter::mu1) bend += by_mu.col(0) * chain;
     if (applied.wanted[i] == model::Parameter::mu2) bend += by_mu.col(1) * chain;
-    if (applied.wanted[i] == model::Parameter::lag)
-      bend += turning * Eigen::Vector2d(-added.y(), added.x()) * chain;
+    if (applied.wanted[i] == model::Parameter::lag) bend += turned.reshaped() * chain;
   }
   return bend;
 }
 
-/// What the laws at `values` add to a run's displacement `by_paper`.
-AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const SummaryRun& run,
-                          const ModelledDisplacement& by_paper, const std::vector<Eigen::Index>& laws) {
-  AddedByLaws result;
-  result.by_laws.setZero(2, static_cast<Eigen::Index>(laws.size()));
-  result.bend.setZero(2, unknowns.common());
-  const AppliedScenario applied = unknowns.apply_summary(values, run, true);
+/// What the laws at `values` add to a run at `times`; `by_mu`: its derivatives under the paper's law. Where
+/// that moves a place by more than `fine`, its derivatives are by all parameters.
+AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& values,
+                          const AppliedScenario& applied, const std::vector<double>& times,
+                          const Eigen::MatrixX2d& by_mu, const std::vector<Eigen::Index>& laws,
+                          double fine = INFINITY) {
+  const auto rows = 2 * static_cast<Eigen::Index>(times.size());
+  AddedByLaws result{Eigen::VectorXd::Zero(rows),
+                     Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(laws.size())),
+                     Eigen::MatrixXd::Zero(rows, applied.chain.cols())};
   if (applied.scenario.start != model::Start::rest) return result;  // other laws are integrated from rest
   const double unit = applied.stretch / applied.scale;
   // Edges that take a negative time undo what positive ones add, so that chi^2 has no kink at 0.
@@ -90,16 +119,16 @@ AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& value
     more(law) += step_of(unknowns.parameter(law));
     beside.push_back(law_at(unknowns, more));
   }
-  constexpr double kStep = 2e-3;  // of mu
+  constexpr double kStep = 2e-4;  // of mu
   std::array<model::RivalLaw, 3> heavier{as_sharp, as_sharp, as_sharp};
   heavier[1].mu1 = heavier[2].mu2 = kStep;
   const bool together = beside.size() + 2 <= model::kMostRivalLaws;
   if (together) beside.insert(beside.end(), heavier.begin() + 1, heavier.end());
   static_assert(3 + kLaws.size() <= model::kMostRivalLaws);
   const auto under = [&](std::span<const model::RivalLaw> all) {
-    return Eigen::Matrix2Xd(unit * model::rival_displacements(applied.scenario, all, kTolerance));
+    return Eigen::MatrixXd(unit * model::rival_positions(applied.scenario, times, all, kTolerance));
   };
-  const Eigen::Matrix2Xd moved = under(beside);
+  const Eigen::MatrixXd moved = under(beside);
   for (std::size_t k = 0; k < laws.size(); ++k)
     result.by_laws.col(static_cast<Eigen::Index>(k)) =
         (moved.col(static_cast<Eigen::Index>(3 + k)) - moved.col(laws[k] == edges ? 2 : 1)) /
@@ -108,17 +137,49 @@ AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& value
   result.added = 2 * moved.col(1) - moved.col(2) - moved.col(0);
 
   // Differences of one integration: its errors cancel.
-  const Eigen::Matrix2Xd there = together ? moved : under(heavier);
-  const Eigen::Vector2d base = there.col(together ? 1 : 0);
+  const Eigen::MatrixXd there = together ? moved : under(heavier);
+  const Eigen::VectorXd base = there.col(together ? 1 : 0);
   const model::Friction& friction = applied.scenario.friction;
-  Eigen::Matrix2d by_mu = there.rightCols(2).colwise() - base;
-  by_mu.col(0) /= kStep * friction.nominal;
-  by_mu.col(1) /= kStep * friction.reduced;
-  if (by_mu.allFinite()) result.bend = bend_of(applied, result.added, by_mu - by_paper.by_mu);
+  Eigen::MatrixX2d under_law = there.rightCols(2).colwise() - base;
+  under_law.col(0) /= kStep * friction.nominal;
+  under_law.col(1) /= kStep * friction.reduced;
+  if (!under_law.allFinite()) return result;
+  if (result.added.lpNorm<Eigen::Infinity>() < fine) {
+    result.bend = bend_of(applied, result.added, under_law - by_mu);
+    return result;
+  }
+  const std::array three{paper, as_sharp, as_soft};
+  for (std::size_t i = 0; i < applied.wanted.size(); ++i) {
+    const model::Parameter parameter = applied.wanted[i];
+    Eigen::VectorXd by;
+    if (parameter == model::Parameter::mu1 || parameter == model::Parameter::mu2) {
+      by = (under_law - by_mu).col(parameter == model::Parameter::mu2);
+    } else {
+      model::Scenario beside_it = applied.scenario;
+      const double step = step_of(parameter, beside_it);
+      beside_it.set(parameter, beside_it.get(parameter) + step);
+      const Eigen::MatrixXd near = unit * model::rival_positions(beside_it, times, three, kTolerance);
+      by = (2 * near.col(1) - near.col(2) - near.col(0) - result.added) / step;
+    }
+    result.bend += by * applied.chain.row(static_cast<Eigen::Index>(i));
+  }
   return result;
 }
 
+std::vector<Eigen::Index> laws_of(const Unknowns& unknowns) {
+  std::vector<Eigen::Index> laws;
+  for (Eigen::Index i = 0; i < unknowns.common(); ++i)
+    if (std::ranges::count(kLaws, unknowns.parameter(i)) > 0) laws.push_back(i);
+  return laws;
+}
+
 }  // namespace
+
+bool has_linear_terms(const Unknowns& unknowns) {
+  const Problem& problem = unknowns.problem();
+  return (!problem.summary_runs.empty() && !linear_unknowns(unknowns, true).empty()) ||
+         (problem.has_driven_tracks() && !laws_of(unknowns).empty());
+}
 
 std::vector<Eigen::Index> linear_unknowns(const Unknowns& unknowns, bool linear) {
   std::vector<Eigen::Index> found;
@@ -173,25 +234,43 @@ std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen
   terms.linear_ = linear_unknowns(unknowns, true);
   terms.bent_ = linear_unknowns(unknowns, false);
   terms.values_ = values;
-  terms.runs_.resize(problem.summary_runs.size());
-  std::vector<Eigen::Index> all, laws;
-  for (Eigen::Index i = 0; i < unknowns.common(); ++i) {
-    all.push_back(i);
-    if (std::ranges::count(kLaws, unknowns.parameter(i)) > 0) laws.push_back(i);
-  }
+  terms.laws_ = laws_of(unknowns);
+  const std::size_t summaries = problem.summary_runs.size();
+  terms.runs_.resize(summaries);
+  terms.tracks_.resize(problem.trajectory_runs.size());
+  std::vector<Eigen::Index> all;
+  for (Eigen::Index i = 0; i < unknowns.common(); ++i) all.push_back(i);
+  const auto of_displacement = [&](std::size_t i) {
+    const SummaryRun& data = problem.summary_runs[i];
+    Run& run = terms.runs_[i];
+    run.here = modelled_displacement(unknowns, values, data, all, tolerance);
+    if (terms.laws_.empty()) return;
+    const AppliedScenario applied = unknowns.apply_summary(values, data, true);
+    const AddedByLaws there =
+        added_by_laws(unknowns, values, applied, {applied.scenario.end_time()}, run.here.by_mu, terms.laws_);
+    run.by_laws = there.added;
+    run.bend = there.bend;
+    run.here.jacobian += run.bend;
+    run.here.jacobian(Eigen::all, terms.laws_) = there.by_laws;
+    run.here.position += run.by_laws;
+  };
+  constexpr double kSeen = 10;
+  const auto of_track = [&](std::size_t i) {
+    const TrajectoryRun& data = problem.trajectory_runs[i];
+    if (data.free_slide || terms.laws_.empty()) return;
+    AppliedScenario applied = unknowns.apply_trajectory(values, i, true);
+    std::vector<double> times = data.track.time;
+    for (double& time : times) time -= data.track.time.front();
+    applied.scenario.duration = times.back();
+    const Eigen::MatrixX2d by_mu = points_by_mu(applied, times, tolerance);
+    const double sd = std::sqrt(0.5 * data.track.covariance.front().trace());
+    AddedByLaws there = added_by_laws(unknowns, values, applied, times, by_mu, terms.laws_, kSeen * sd);
+    terms.tracks_[i] = {std::move(there.added), std::move(there.by_laws), std::move(there.bend),
+                        unknowns.own(i)};
+  };
   try {
-    parallel_for(terms.runs_.size(), threads, [&](std::size_t i) {
-      const SummaryRun& data = problem.summary_runs[i];
-      Run& run = terms.runs_[i];
-      run.here = modelled_displacement(unknowns, values, data, all, tolerance);
-      if (laws.empty()) return;
-      AddedByLaws there = added_by_laws(unknowns, values, data, run.here, laws);
-      run.by_laws = there.added;
-      run.bend = std::move(there.bend);
-      run.here.jacobian += run.bend;
-      run.here.jacobian(Eigen::all, laws) = there.by_laws;
-      run.here.position += run.by_laws;
-    });
+    parallel_for(summaries + terms.tracks_.size(), threads,
+                 [&](std::size_t i) { i < summaries ? of_displacement(i) : of_track(i - summaries); });
   } catch (const model::InvalidParameter&) {
     return std::nullopt;
   } catch (const model::StepLimitExceeded&) {
@@ -214,6 +293,19 @@ void LinearTerms::add(std::size_t index, const Eigen::VectorXd& values,
   if (by_paper.jacobian.size() == 0) return;
   by_paper.jacobian(Eigen::all, linear_) = columns;
   if (run.bend.size() > 0) by_paper.jacobian(Eigen::all, bent_) += run.bend(Eigen::all, bent_);
+}
+
+void LinearTerms::add(std::size_t index, const Eigen::VectorXd& values, Eigen::Matrix2Xd& positions,
+                      Eigen::MatrixXd& jacobian) const {
+  const Track& track = tracks_[index];
+  if (track.added.size() == 0) return;
+  const Eigen::VectorXd all = values - values_;
+  Eigen::VectorXd change(track.bend.cols());
+  change << all.head(change.size() - track.own.count), all.segment(track.own.first, track.own.count);
+  positions.reshaped() += track.added + track.by_laws * all(laws_) + track.bend * change;
+  if (jacobian.size() == 0) return;
+  jacobian += track.bend;
+  jacobian(Eigen::all, laws_) = track.by_laws;
 }
 
 }  // namespace tribotrack::fit::internal

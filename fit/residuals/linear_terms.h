@@ -41,6 +41,9 @@ class LinearTerms {
   /// Of the displacement by the paper's law, with conditions held, that of all: D and what is linear is
   /// added, and the derivatives by the conditions put in place of whatever their columns hold.
   void add(std::size_t run, const Eigen::VectorXd& values, ModelledDisplacement& by_paper) const;
+  /// To the points of a trajectory run by the paper's law, and to their derivatives unless these are empty.
+  void add(std::size_t run, const Eigen::VectorXd& values, Eigen::Matrix2Xd& positions,
+           Eigen::MatrixXd& jacobian) const;
 
  private:
   struct Run {
@@ -48,16 +51,27 @@ class LinearTerms {
     Eigen::Vector2d by_laws = Eigen::Vector2d::Zero();  ///< D
     Eigen::Matrix2Xd bend;                              ///< D', by all unknowns but the laws
   };
+  /// What laws add to a driven track: its own motion follows the paper's law and is not linear in anything.
+  struct Track {
+    Eigen::VectorXd added;          ///< D, m, x and y of each point below each other
+    Eigen::MatrixXd by_laws, bend;  ///< C of the laws, and D' by what all runs share and the run's own
+    Range own;
+  };
   std::vector<Eigen::Index> linear_;  ///< conditions, among the unknowns
+  std::vector<Eigen::Index> laws_;    ///< of them
   std::vector<Eigen::Index> bent_;    ///< the other shared ones
   Eigen::VectorXd values_;
   std::vector<Run> runs_;
+  std::vector<Track> tracks_;
 };
 
 /// By the paper's law, with derivatives by `by`.
 ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen::VectorXd& values,
                                            const SummaryRun& run, const std::vector<Eigen::Index>& by,
                                            double tolerance);
+
+/// Whether any displacement is linear in something, or any track in a law of friction.
+bool has_linear_terms(const Unknowns& unknowns);
 
 /// What summary runs are linear in: the conditions, but for the phase at the start, which may be anything,
 /// and the scale: friction goes with it exactly where A was seen at it, and a line along it would be

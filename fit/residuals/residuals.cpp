@@ -114,7 +114,7 @@ void Residuals::set_excess_variance(const ExcessVariance& excess) {
 }
 
 bool Residuals::linearise(const Eigen::VectorXd& values) {
-  if (problem_->summary_runs.empty() || linear_unknowns(*unknowns_, true).empty()) return true;
+  if (!has_linear_terms(*unknowns_)) return true;
   if (terms_ && terms_->values() == values) return true;
   auto terms = LinearTerms::at(*unknowns_, values, tolerance_, threads_);
   if (!terms) return false;
@@ -293,7 +293,10 @@ PointModel Residuals::modelled_points(const Eigen::VectorXd& values, std::size_t
   const TrajectoryRun& run = problem_->trajectory_runs[index];
   const AppliedScenario applied = unknowns_->apply_trajectory(values, index, derivatives);
   const Seen seen{!run.free_slide && !run.track.platform_frame, run.track.exposure};
-  return model_points(*unknowns_, applied, tracks_[index]->times(), seen, tolerance_, derivatives);
+  PointModel modelled =
+      model_points(*unknowns_, applied, tracks_[index]->times(), seen, tolerance_, derivatives);
+  if (terms_) terms_->add(index, values, modelled.positions, modelled.jacobian);
+  return modelled;
 }
 
 RowGroup Residuals::trajectory(const Eigen::VectorXd& values, std::size_t index, bool derivatives) const {

@@ -74,7 +74,9 @@ class OneSide {
   std::optional<double> cross(double limit) {
     const Point inside{inside_.z, height(inside_.chi2)};
     std::optional<double> end = search(inside, limit, std::max(-inside.height, 0.1 * target()) * sd_);
-    if (!end || better || !residuals_.linear_in_conditions()) return end;
+    // The points of tracks tell conditions so well that these are linear as far as any end is.
+    const bool tracks = residuals_.unknowns().problem().has_driven_tracks();
+    if (!end || better || tracks || !residuals_.linear_in_conditions()) return end;
     points.resize(known_);
     bent_ = false;
     end = search(inside, limit, std::abs(place(*end) - place(inside.z(index_))), Linear::at_each_point);

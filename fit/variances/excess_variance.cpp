@@ -201,7 +201,8 @@ CorrelatedEstimate reweighted_fit(Residuals& residuals, Minimum& best, const Rew
     if (squares && !any(is) && is.correlated == CorrelatedVariances{} && was.correlated == is.correlated)
       return correlated;
     const double change = largest_change(residuals, before);
-    best = minimise(residuals, best.z);
+    best =
+        reweighting.correlated_errors ? minimise_linearised(residuals, best.z) : minimise(residuals, best.z);
     if (round > (reweighting.scatter ? 1 : 0) && change < 1e-3 && unchanged(was, is)) return correlated;
   }
   return correlated;

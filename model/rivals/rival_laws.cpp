@@ -102,10 +102,9 @@ class Equation {
       friction_.by_speed_time.lane[lane] = rate * (after_by_speed - before_by_speed);
     }
   }
-  /// Where mu of any law jumps or bends, every turn's end, and the end.
-  std::vector<double> stations(double turn) const {
-    std::vector<double> times;
-    const double w = s_.drive.angular_frequency, end = s_.end_time();
+  /// Where mu of any law jumps or bends, every turn's end, and what is asked for.
+  std::vector<double> stations(double turn, std::vector<double> times) const {
+    const double w = s_.drive.angular_frequency, end = times.back();
     std::set<double> edges;
     for (const RivalLaw& law : laws_)
       for (const double bend : {-0.5 * w * law.rise, 0.5 * w * law.rise})
@@ -118,7 +117,6 @@ class Equation {
         if (t > 0) times.push_back(t);
       }
     for (double t = turn; t < end; t += turn) times.push_back(t);
-    times.push_back(end);
     std::sort(times.begin(), times.end());
     return times;
   }
@@ -153,28 +151,38 @@ class Integration {
     std::ranges::fill(in_.moving.lane, own > 0 ? 1 : 0);
   }
 
-  /// Where the run ends. Once a turn brings all velocities back to where they were, the turns that are left
-  /// repeat it.
-  const RivalMotion& end() {
-    const std::vector<double> stations = f_.stations(turn_);
-    const double end = stations.back();
+  /// Rows x and y of each of the times, a column for each lane. Once a turn brings all velocities back to
+  /// where they were, the turns before the next time asked for repeat it.
+  Eigen::MatrixXd at(const std::vector<double>& times) {
+    Eigen::MatrixXd positions(2 * times.size(), kRivalLanes);
+    std::size_t seen = 0;
+    const auto look = [&] {
+      for (; seen < times.size() && times[seen] <= t_; ++seen)
+        for (int lane = 0; lane < kRivalLanes; ++lane)
+          positions.block<2, 1>(2 * static_cast<Eigen::Index>(seen), lane) << in_.from.x.lane[lane],
+              in_.from.y.lane[lane];
+    };
     RivalMotion before = in_.from;
     double next_turn = turn_;
-    for (const double station : stations) {
+    look();
+    for (const double station : f_.stations(turn_, times)) {
       if (t_ < station) pass(station);
-      if (t_ < next_turn) continue;
-      const double left = std::floor((end - t_) / turn_ + 1e-9);
+      look();
+      if (t_ < next_turn || seen == times.size()) continue;
+      const double left = std::floor((times[seen] - t_) / turn_ + 1e-9);
       if (left > 0 && repeats(before)) {
         for (int lane = 0; lane < kRivalLanes; ++lane) {
           in_.from.x.lane[lane] += left * (in_.from.x.lane[lane] - before.x.lane[lane]);
           in_.from.y.lane[lane] += left * (in_.from.y.lane[lane] - before.y.lane[lane]);
         }
         t_ += left * turn_;
+        look();
       }
       before = in_.from;
       next_turn = t_ + turn_ * (1 - 1e-12);
     }
-    return in_.from;
+    for (t_ = times.back(); seen < times.size();) look();
+    return positions;
   }
 
  private:
@@ -292,8 +300,8 @@ class Integration {
 
 }  // namespace
 
-Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const RivalLaw> laws,
-                                     double tolerance) {
+Eigen::MatrixXd rival_positions(const Scenario& scenario, const std::vector<double>& times,
+                                std::span<const RivalLaw> laws, double tolerance) {
   scenario.validate();
   if (scenario.start != Start::rest)
     throw InvalidParameter("rival friction laws are integrated from rest or an initial velocity only");
@@ -301,11 +309,14 @@ Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const R
     throw InvalidParameter("rival friction laws are integrated for parts that do not spin");
   if (laws.empty() || laws.size() > kMostRivalLaws)
     throw InvalidParameter("one to eight rival laws are integrated together");
-  Integration integration(scenario, laws, tolerance);
-  const RivalMotion& end = integration.end();
-  Eigen::Matrix2Xd moved(2, laws.size());
-  for (Eigen::Index i = 0; i < moved.cols(); ++i) moved.col(i) << end.x.lane[i], end.y.lane[i];
-  return moved;
+  if (times.empty() || !std::ranges::is_sorted(times) || times.front() < 0)
+    throw InvalidParameter("positions under rival friction laws are asked for at times that do not ascend");
+  return Integration(scenario, laws, tolerance).at(times).leftCols(static_cast<Eigen::Index>(laws.size()));
+}
+
+Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const RivalLaw> laws,
+                                     double tolerance) {
+  return rival_positions(scenario, {scenario.end_time()}, laws, tolerance);
 }
 
 Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance) {

@@ -1,0 +1,113 @@
+// Driven tracks are searched by what they moved over whole cycles: as many valleys, at a fraction of the
+// cost.
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numbers>
+
+#include "fit/measurement.h"
+#include "fit/minimum/multi_start.h"
+#include "fit/tools/thresholds.h"
+#include "model/parallel.h"
+
+namespace tribotrack::fit::internal {
+
+namespace {
+
+constexpr std::array kHomeInTracks{0.03, 0.01, 0.003, 0.001, 3e-4};
+
+/// As many points of each track as tell where the valleys are.
+Problem thinned(Problem problem) {
+  constexpr std::size_t kPoints = 200, kATurn = 10;
+  for (TrajectoryRun& run : problem.trajectory_runs) {
+    TrackTable& track = run.track;
+    const double turns = (track.time.back() - track.time.front()) * run.scenario.drive.angular_frequency /
+                         (2 * std::numbers::pi);
+    const std::size_t wanted = std::max(kPoints, kATurn * static_cast<std::size_t>(turns));
+    const std::size_t stride = track.time.size() / wanted;
+    if (run.free_slide || stride < 2) continue;
+    const auto thin = [&](auto& rows) {
+      for (std::size_t k = 0; k * stride < rows.size(); ++k) rows[k] = rows[k * stride];
+      rows.resize((rows.size() + stride - 1) / stride);
+    };
+    thin(track.frame), thin(track.time), thin(track.position), thin(track.covariance);
+  }
+  return problem;
+}
+
+}  // namespace
+
+Problem by_displacements(Problem problem) {
+  constexpr int kAll = std::numeric_limits<int>::max();
+  std::vector<TrajectoryRun> left;
+  for (TrajectoryRun& run : problem.trajectory_runs) {
+    const auto& times = run.track.time;
+    const double turn = 2 * std::numbers::pi / run.scenario.drive.angular_frequency;
+    if (run.free_slide || !(times.back() - times.front() > turn)) {
+      left.push_back(std::move(run));
+      continue;
+    }
+    SummaryRun ends{run.name,
+                    run.scenario,
+                    measure_displacement(run.track, {run.scenario.drive.angular_frequency, 0}, kAll),
+                    run.amplitude_from_track,
+                    run.own,
+                    run.course};
+    if (run.start_phase_sd > 0)
+      ends.own.add(model::Parameter::start_phase, run.start_phase_sd * run.start_phase_sd);
+    problem.summary_runs.push_back(std::move(ends));
+  }
+  problem.trajectory_runs = std::move(left);
+  return problem;
+}
+
+DisplacementSearch search_by_displacements(const Residuals& residuals, const FitOptions& options) {
+  const Unknowns& unknowns = residuals.unknowns();
+  const Problem ends = by_displacements(unknowns.problem());
+  const Unknowns fewer(ends);
+  Residuals displacements(fewer, options.threads);
+  displacements.set_tolerance(residuals.tolerance());
+  displacements.set_own_errors(fewer.first_guess());
+  Search search = multi_start(displacements, options);
+  if (search.minima.empty()) return {search, {}};
+  const auto here = [&](const Eigen::VectorXd& z) {  // what all runs share is the same
+    Eigen::VectorXd values = unknowns.first_guess();
+    values.head(unknowns.common()) = fewer.values(z).head(unknowns.common());
+    return unknowns.z(values);
+  };
+  for (ScreenedPoint& point : search.sample) point.z = here(point.z);
+  const Minimum lowest = lowest_minimum(displacements, search, options.threads).minimum;
+  std::vector<Eigen::VectorXd> places{here(lowest.z)};
+  const bool rejected_already = displacements.p_value(lowest.chi2) < kSurprise;
+  for (std::size_t i = 1; i < std::min(search.minima.size(), kRefined) && !rejected_already; ++i)
+    places.push_back(here(search.minima[i].z));
+  search.minima.clear();
+  const Problem sparse = thinned(unknowns.problem());
+  const Unknowns of_sparse(sparse);
+  Residuals few(of_sparse, options.threads);
+  few.set_tolerance(residuals.tolerance());
+  few.set_own_errors(of_sparse.first_guess());
+  const auto rejected = [&] {
+    return std::ranges::none_of(search.minima,
+                                [&](const Minimum& m) { return few.p_value(m.chi2) >= kSurprise; });
+  };
+  const auto descend = [&](const Eigen::VectorXd& z) {
+    Residuals there = few;
+    if (!there.linearise(unknowns.values(z))) return;
+    Minimum end = minimise_linearised(there, z, {.decrement = 1e-3});
+    if (!end.at.empty() && admissible(unknowns, end.z)) search.minima.push_back(std::move(end));
+  };
+  for (std::size_t i = 0; i < places.size() && rejected(); ++i) {
+    descend(places[i]);
+    Residuals there = few;
+    if (!rejected() || !there.linearise(unknowns.values(places[i])) || !there.linear_in_conditions())
+      continue;
+    // As if the model were good to a share of a displacement, then to less and less.
+    const Minimum homed = homed_in(there, places[i], kHomeInTracks);
+    if (!homed.at.empty()) descend(homed.z);
+  }
+  std::ranges::stable_sort(search.minima, {}, &Minimum::chi2);
+  return {search, places.front()};
+}
+
+}  // namespace tribotrack::fit::internal
