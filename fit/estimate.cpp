@@ -94,6 +94,10 @@ class Estimation {
   double value_of(FitParameter parameter) const {
     return unknowns_.value_of(parameter, unknowns_.values(minimum_.z));
   }
+  /// By displacements.
+  double roughly(FitParameter parameter) const {
+    return unknowns_.value_of(parameter, unknowns_.values(by_displacements_));
+  }
   /// Of Problem::free.
   std::map<FitParameter, double> estimates_alone() const;
   /// By how much friction differs from track to track, relative, of tracks with errors of their own in it.
@@ -534,8 +538,8 @@ Explained explain_tracks(const Problem& problem, const Estimation& fit, const Fi
   if (!problem.has_driven_tracks() || !fit.rejected()) return {};
   Quoted under{problem, {}, {}};
   const auto with_scatter = [&](double relative) {
-    return with_run_scatter(under.problem, relative, fit.value_of(FitParameter::mu1),
-                            fit.value_of(FitParameter::mu2));
+    return with_run_scatter(under.problem, relative, fit.roughly(FitParameter::mu1),
+                            fit.roughly(FitParameter::mu2));
   };
   const Problem ends = by_displacements(with_scatter(kUsual));
   Estimation by_ends(ends, options);

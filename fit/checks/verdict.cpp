@@ -80,7 +80,7 @@ void judge(FitResult& result) {
   const bool driven_tracks = tracks && result.slides.empty();
   const bool robust = result.loss != Loss::squares;
   // Errors of tracking are no larger than that.
-  constexpr double kMostOfTracking = 5;  // in sds of the points
+  constexpr double kMostOfTracking = 3;  // in sds of the points
   const bool by_tracking =
       tracks && !(driven_tracks && result.chi2 > std::pow(kMostOfTracking, 2) * result.dof);
   if (rejected && result.quoted_under.empty() && !repeated && !by_tracking && !robust)

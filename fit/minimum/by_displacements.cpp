@@ -14,6 +14,7 @@ namespace tribotrack::fit::internal {
 
 namespace {
 
+constexpr double kRough = 0.02;  ///< of a displacement
 constexpr std::array kHomeInTracks{0.03, 0.01, 0.003, 0.001, 3e-4};
 
 /// As many points of each track as tell where the valleys are.
@@ -68,6 +69,10 @@ DisplacementSearch search_by_displacements(const Residuals& residuals, const Fit
   Residuals displacements(fewer, options.threads);
   displacements.set_tolerance(residuals.tolerance());
   displacements.set_own_errors(fewer.first_guess());
+  // Good to that share: what single turns tell better leads into valleys that points do not have.
+  ExcessVariance rough = displacements.excess_variance();
+  rough.runs = kRough * ends.typical_displacement();
+  displacements.set_excess_variance(rough);
   Search search = multi_start(displacements, options);
   if (search.minima.empty()) return {search, {}};
   const auto here = [&](const Eigen::VectorXd& z) {  // what all runs share is the same
@@ -76,11 +81,10 @@ DisplacementSearch search_by_displacements(const Residuals& residuals, const Fit
     return unknowns.z(values);
   };
   for (ScreenedPoint& point : search.sample) point.z = here(point.z);
-  const Minimum lowest = lowest_minimum(displacements, search, options.threads).minimum;
-  std::vector<Eigen::VectorXd> places{here(lowest.z)};
-  const bool rejected_already = displacements.p_value(lowest.chi2) < kSurprise;
-  for (std::size_t i = 1; i < std::min(search.minima.size(), kRefined) && !rejected_already; ++i)
-    places.push_back(here(search.minima[i].z));
+  std::vector<Eigen::VectorXd> places{here(lowest_minimum(displacements, search, options.threads).minimum.z)};
+  for (std::size_t i = 1; i < std::min(search.minima.size(), kRefined); ++i)
+    if (search.minima[i].chi2 - search.minima[0].chi2 < kNearMinimum)
+      places.push_back(here(search.minima[i].z));
   search.minima.clear();
   const Problem sparse = thinned(unknowns.problem());
   const Unknowns of_sparse(sparse);
@@ -91,22 +95,26 @@ DisplacementSearch search_by_displacements(const Residuals& residuals, const Fit
     return std::ranges::none_of(search.minima,
                                 [&](const Minimum& m) { return few.p_value(m.chi2) >= kSurprise; });
   };
-  const auto descend = [&](const Eigen::VectorXd& z) {
+  const auto descend = [&](const Eigen::VectorXd& z, int steps) {
     Residuals there = few;
     if (!there.linearise(unknowns.values(z))) return;
-    Minimum end = minimise_linearised(there, z, {.decrement = 1e-3});
-    if (!end.at.empty() && admissible(unknowns, end.z)) search.minima.push_back(std::move(end));
+    Minimum end = minimise_linearised(there, z, {.decrement = 1e-3, .full_steps = steps});
+    if (!end.at.empty()) search.minima.push_back(std::move(end));
   };
+  constexpr int kAFew = 12;
   for (std::size_t i = 0; i < places.size() && rejected(); ++i) {
-    descend(places[i]);
+    descend(places[i], kAFew);
     Residuals there = few;
     if (!rejected() || !there.linearise(unknowns.values(places[i])) || !there.linear_in_conditions())
       continue;
     // As if the model were good to a share of a displacement, then to less and less.
     const Minimum homed = homed_in(there, places[i], kHomeInTracks);
-    if (!homed.at.empty()) descend(homed.z);
+    if (!homed.at.empty()) descend(homed.z, MinimiseOptions{}.full_steps);
   }
-  std::ranges::stable_sort(search.minima, {}, &Minimum::chi2);
+  std::ranges::stable_sort(search.minima, [&](const Minimum& a, const Minimum& b) {
+    const bool first = admissible(unknowns, a.z), second = admissible(unknowns, b.z);
+    return first != second ? first : a.chi2 < b.chi2;
+  });
   return {search, places.front()};
 }
 

@@ -15,8 +15,9 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-/// Of motions that are subtracted from each other: their errors cancel for the most part.
-constexpr double kTolerance = 1e-6;
+/// Of motions that are subtracted from each other: their errors cancel for the most part. Points of tracks,
+/// and derivatives by all parameters, ask for more.
+constexpr double kTolerance = 1.5e-5, kFineTolerance = 1e-6;
 
 /// A step far above the integration's error over which a displacement is still linear: near the threshold of
 /// sliding that is not far.
@@ -125,8 +126,9 @@ AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& value
   const bool together = beside.size() + 2 <= model::kMostRivalLaws;
   if (together) beside.insert(beside.end(), heavier.begin() + 1, heavier.end());
   static_assert(3 + kLaws.size() <= model::kMostRivalLaws);
+  const double tolerance = std::isfinite(fine) ? kFineTolerance : kTolerance;
   const auto under = [&](std::span<const model::RivalLaw> all) {
-    return Eigen::MatrixXd(unit * model::rival_positions(applied.scenario, times, all, kTolerance));
+    return Eigen::MatrixXd(unit * model::rival_positions(applied.scenario, times, all, tolerance));
   };
   const Eigen::MatrixXd moved = under(beside);
   for (std::size_t k = 0; k < laws.size(); ++k)
@@ -155,11 +157,17 @@ AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& value
     if (parameter == model::Parameter::mu1 || parameter == model::Parameter::mu2) {
       by = (under_law - by_mu).col(parameter == model::Parameter::mu2);
     } else {
-      model::Scenario beside_it = applied.scenario;
-      const double step = step_of(parameter, beside_it);
-      beside_it.set(parameter, beside_it.get(parameter) + step);
-      const Eigen::MatrixXd near = unit * model::rival_positions(beside_it, times, three, kTolerance);
-      by = (2 * near.col(1) - near.col(2) - near.col(0) - result.added) / step;
+      const double step = step_of(parameter, applied.scenario);
+      const auto moved_by = [&](double change) -> Eigen::VectorXd {
+        model::Scenario near = applied.scenario;
+        near.set(parameter, near.get(parameter) + change);
+        const Eigen::MatrixXd all = unit * model::rival_positions(near, times, three, tolerance);
+        return 2 * all.col(1) - all.col(2) - all.col(0) - result.added;
+      };
+      by = moved_by(step) / step;
+      // Laws go by the greater of two amplitudes, which are often equal: there is a kink between.
+      if (parameter == model::Parameter::amplitude || parameter == model::Parameter::amplitude_y)
+        by = 0.5 * (by - moved_by(-step) / step);
     }
     result.bend += by * applied.chain.row(static_cast<Eigen::Index>(i));
   }

@@ -74,5 +74,48 @@ TEST(FullModel, DerivativesAreThoseUnderTheLaw) {
   }
 }
 
+// Of tracks those by everything that all runs share.
+TEST(FullModel, DerivativesOfTracksAreThoseUnderTheLaw) {
+  Problem problem = strong_stribeck();
+  for (const std::size_t k : {std::size_t{1}, std::size_t{6}}) {
+    const SummaryRun& summary = problem.summary_runs[k];
+    TrajectoryRun run;
+    run.scenario = summary.scenario;
+    run.track.platform_frame = true;
+    for (int i = 0; i <= 150; ++i) {
+      run.track.time.push_back(2e-3 * i);
+      run.track.position.emplace_back(0, 0);
+      run.track.covariance.push_back(1e-11 * Eigen::Matrix2d::Identity());
+    }
+    problem.trajectory_runs.push_back(run);
+  }
+  problem.summary_runs.clear();
+  problem.conditions.push_back({FitParameter::amplitude, 1e-6, "test"});
+  problem.conditions.push_back({FitParameter::angular_frequency, 0.03, "test"});
+  problem.conditions.push_back({FitParameter::phase_shift, 0.01, "test"});
+  const Unknowns unknowns(problem);
+  Residuals residuals(unknowns);
+  residuals.set_tolerance(1e-10);
+  Eigen::VectorXd values = unknowns.first_guess();
+  values.head<3>() << 0.105, 0.04, -0.08;
+  values(*unknowns.find(FitParameter::stribeck)) = 0.2;
+  values(*unknowns.find(FitParameter::gate_edges)) = 0.01;
+  const auto residuals_at = [&](const Eigen::VectorXd& there) {
+    Residuals anew = residuals;
+    EXPECT_TRUE(anew.linearise(there));
+    return anew.at(there)->residuals();
+  };
+  ASSERT_TRUE(residuals.linearise(values));
+  const Eigen::MatrixXd jacobian = residuals.at(values)->jacobian(unknowns.size());
+  const Eigen::VectorXd units = unknowns.natural_units(values);
+  for (Eigen::Index i = 0; i < unknowns.common(); ++i) {
+    Eigen::VectorXd more = values, less = values;
+    more(i) += 1e-3 * units(i), less(i) -= 1e-3 * units(i);
+    const Eigen::VectorXd differences = (residuals_at(more) - residuals_at(less)) / (2e-3 * units(i));
+    EXPECT_LT((jacobian.col(i) - differences).norm(), 0.02 * differences.norm())
+        << to_string(unknowns.parameter(i));
+  }
+}
+
 }  // namespace
 }  // namespace tribotrack::fit::internal

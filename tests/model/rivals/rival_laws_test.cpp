@@ -51,6 +51,32 @@ TEST(RivalLaws, SideBySideEachIsAsAlone) {
   EXPECT_THROW(rival_displacements(Scenario{}, {}), InvalidParameter);
 }
 
+// Wherever a run is looked at, it is where a run that ends there ends; whole turns that repeat are passed
+// over.
+TEST(RivalLaws, PositionsOnTheWayAreTheEndsOfShorterRuns) {
+  const std::vector<RivalLaw> laws{{}, {.stribeck = 0.3}, {.viscous = 2, .rise = 2e-3}};
+  for (const double mu1 : {0.06, 0.1, 0.15}) {
+    Scenario scenario;
+    scenario.friction = {mu1, mu1 / 6, 0.4, 1.3, 0.2};
+    scenario.cycles = 30;
+    const std::vector<double> times{0, 1e-4, 0.013, 0.013, 0.1, 1.7, scenario.end_time()};
+    const Eigen::MatrixXd seen = rival_positions(scenario, times, laws, 1e-10);
+    Eigen::Matrix2Xd paper;
+    integrate(scenario).positions_at(times, 0, paper, nullptr);
+    EXPECT_LT((seen.col(0) - paper.reshaped()).norm(), 1e-7 * paper.norm()) << mu1;
+    for (std::size_t k = 1; k < times.size(); ++k) {
+      Scenario until = scenario;
+      until.duration = times[k];
+      const Eigen::Matrix2Xd end = rival_displacements(until, laws, 1e-10);
+      EXPECT_LT((seen.middleRows(2 * static_cast<Eigen::Index>(k), 2) - end).norm(),
+                1e-6 * end.norm() + 1e-12)
+          << mu1 << ", " << times[k];
+    }
+  }
+  EXPECT_THROW(rival_positions(Scenario{}, {0.2, 0.1}, laws), InvalidParameter);
+  EXPECT_THROW(rival_positions(Scenario{}, {}, laws), InvalidParameter);
+}
+
 // Friction that all but holds the part lets it creep: stiff, and no reason for more steps. A search
 // may go to phases that count no turns any more.
 TEST(RivalLaws, PartsThatCreepAndPhasesFarAwayComeToAnEnd) {
