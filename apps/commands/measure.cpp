@@ -107,7 +107,7 @@ void add_measure(CLI::App& app, Context& context) {
       "pulled,\n"
       "at rest, with background, unknown. alpha and v belong to a drive that is given or seen, mu1 to a "
       "slide to\n"
-      "rest with constant deceleration; if the track shows another motion: exit 4 and what to do instead.");
+      "rest whose deceleration is constant within the track's errors; else: exit 4 and what to do instead.");
   command.callback([options, &context] { measure_command(*options, context); });
 }
 

@@ -69,9 +69,8 @@ std::string sentence_of(const fit::ShownMotion& m, const fit::TrackTable& table)
               : "",
           mm(m.oscillation->drift));
     case Kind::slide:
-      return fmt::format(
-          "the part slides with constant deceleration, from about {:.3g} mm/s in frames {} to {}",
-          mm(m.braking->speed), frame(m.braking->first), frame(m.braking->last - 1));
+      return fmt::format("the part slides and slows down, from about {:.3g} mm/s in frames {} to {}",
+                         mm(m.braking->speed), frame(m.braking->first), frame(m.braking->last - 1));
     case Kind::incline:
       return fmt::format(
           "the part gains speed evenly, by about {:.3g} mm/s^2 to {:.3g} mm/s in frames {} to {}, as down an "
@@ -266,6 +265,7 @@ TrackMeasurement measure_free_slide(const std::string& name, const Track& track,
                                     const MeasureChoices& choices) {
   constexpr std::size_t kFewest = 8;  // points that tell a motion; what fewer lack the fit says
   constexpr double kHardly = 0.5;     // sd of mu1 over mu1
+  constexpr double kRejected = 1e-3;  // by chance one in a thousand
   const double gravity = choices.gravity_m_s2.value_or(9.81);
   if (!(gravity > 0)) throw UsageError("--gravity-m-s2 must be greater than 0");
   const bool told = track.table.time.size() >= kFewest;
@@ -280,25 +280,27 @@ TrackMeasurement measure_free_slide(const std::string& name, const Track& track,
   }
   const fit::FitResult fit = fitted_slide(name, track, gravity);
   const fit::SlideResult& slide = fit.slides.front();
-  std::vector<std::string> warnings = fit.warnings;
-  if (fit.agreement == fit::Agreement::poor || fit.agreement == fit::Agreement::only_with_scatter)
-    warnings.push_back(
-        fmt::format("{}: the deceleration is not constant within the track's errors (chi2 {:.3g} at {} "
-                    "degrees of freedom); the sd counts the scatter",
-                    name, slide.chi2, slide.dof));
+  const std::vector<std::string>& warnings = fit.warnings;
   TrackMeasurement result{slide_json(fit, track, gravity, warnings),
                           warnings,
                           {{"free_slide", true}, {"gravity_m_s2", gravity}},
                           ""};
-  if (!(slide.mu1.sd < kHardly * slide.mu1.value)) {
-    const Json configuration = result.configuration;
-    result = motion_alone(name, track, motion);
-    result.configuration = configuration;
-    result.failure =
-        fmt::format("{}: the part slows down by too little to tell mu1 (sd {:.2g}); film more of the way",
-                    name, slide.mu1.sd);
-    return result;
-  }
+  const auto refused = [&](const std::string& why) {
+    TrackMeasurement alone = motion_alone(name, track, motion);
+    alone.configuration = result.configuration;
+    alone.failure = name + ": " + why;
+    for (const char* key : {"chi2", "dof", "p_value"}) alone.json[key] = result.json[key];
+    return alone;
+  };
+  if (!(slide.mu1.sd < kHardly * slide.mu1.value))
+    return refused(fmt::format(
+        "the part slows down by too little to tell mu1 (sd {:.2g}); film more of the way", slide.mu1.sd));
+  if (fit.p_value < kRejected)
+    return refused(fmt::format(
+        "{}; its deceleration is not constant within the track's errors (chi2 {:.3g} at {} degrees of "
+        "freedom) and no single mu1 describes it: a fit of it as a free slide says under what friction "
+        "values hold",
+        motion.sentence, fit.chi2, fit.dof));
   put_motion(motion, result);
   return result;
 }

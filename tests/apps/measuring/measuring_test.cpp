@@ -158,6 +158,17 @@ Eigen::Vector2d circle(double t) {
   return {0.28 * std::cos(62.8 * t) + 4 * t, 0.28 * std::sin(62.8 * t)};
 }
 
+// u' = -(a + c u): friction that rises with speed has no single mu1.
+TEST_F(MeasureMotion, ASlideWhoseDecelerationIsNotConstantHasNoMu1) {
+  constexpr double kA = 1000, kC = 2, kFirst = 700;  // mm/s^2, 1/s, mm/s
+  const double stop = std::log(1 + kC * kFirst / kA) / kC;
+  put_track([&](double t) {
+    const double s = std::min(t, stop);
+    return Eigen::Vector2d((kFirst + kA / kC) * (1 - std::exp(-kC * s)) / kC - kA * s / kC, 0);
+  });
+  expect_no_slide("slide to rest", "not constant");
+}
+
 TEST_F(MeasureMotion, ADrivenPartIsNoSlideAndTellsItsFrequency) {
   put_track(circle);
   expect_no_slide("driven", "--omega-rad-s 62.8");
