@@ -4,14 +4,14 @@
 #include <array>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "fit/measurement.h"
 #include "fit/minimum/multi_start.h"
+#include "fit/tools/stage_progress.h"
 #include "fit/tools/thresholds.h"
-#include "model/parallel.h"
 
 namespace tribotrack::fit::internal {
-
 namespace {
 
 constexpr double kRough = 0.02;  ///< of a displacement
@@ -36,24 +36,28 @@ Problem thinned(Problem problem) {
   return problem;
 }
 
+/// Over all its whole turns; nullopt where there is none.
+std::optional<Displacement> displacement_of(const TrajectoryRun& run) {
+  if (run.free_slide) return std::nullopt;
+  try {
+    return measure_displacement(run.track, {run.scenario.drive.angular_frequency, 0},
+                                std::numeric_limits<int>::max());
+  } catch (const DataError&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 Problem by_displacements(Problem problem) {
-  constexpr int kAll = std::numeric_limits<int>::max();
   std::vector<TrajectoryRun> left;
   for (TrajectoryRun& run : problem.trajectory_runs) {
-    const auto& times = run.track.time;
-    const double turn = 2 * std::numbers::pi / run.scenario.drive.angular_frequency;
-    if (run.free_slide || !(times.back() - times.front() > turn)) {
+    const auto moved = displacement_of(run);
+    if (!moved) {
       left.push_back(std::move(run));
       continue;
     }
-    SummaryRun ends{run.name,
-                    run.scenario,
-                    measure_displacement(run.track, {run.scenario.drive.angular_frequency, 0}, kAll),
-                    run.amplitude_from_track,
-                    run.own,
-                    run.course};
+    SummaryRun ends{run.name, run.scenario, *moved, run.amplitude_from_track, run.own, run.course};
     if (run.start_phase_sd > 0)
       ends.own.add(model::Parameter::start_phase, run.start_phase_sd * run.start_phase_sd);
     problem.summary_runs.push_back(std::move(ends));
@@ -102,8 +106,10 @@ DisplacementSearch search_by_displacements(const Residuals& residuals, const Fit
     if (!end.at.empty()) search.minima.push_back(std::move(end));
   };
   constexpr int kAFew = 12;
+  Stage stage(options, "tracks", places.size());
   for (std::size_t i = 0; i < places.size() && rejected(); ++i) {
     descend(places[i], kAFew);
+    stage.done();
     Residuals there = few;
     if (!rejected() || !there.linearise(unknowns.values(places[i])) || !there.linear_in_conditions())
       continue;

@@ -42,7 +42,7 @@ struct Lowest {
 Lowest lowest_minimum(Residuals& residuals, const Search& search, int threads);
 
 /// The same campaign with what its driven tracks moved over whole cycles in their place: two numbers a run.
-/// One shorter than a turn stays a track.
+/// One without a whole turn stays a track.
 Problem by_displacements(Problem problem);
 
 /// The minima of driven tracks, each from one of their displacements, whose lowest is at `place`.
