@@ -377,9 +377,12 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
     constexpr double kWorthAFit = 0.2;  ///< of the best's gain
     constexpr std::size_t kMostFits = 6;
     const double most = list.empty() ? 0 : gain(list.front().found, runs);
+    // A fit to tracks takes long: of what explains them a half shows to first order.
+    const double excess = problem.has_driven_tracks() ? best.chi2 - residuals.degrees_of_freedom() : 0;
+    const double least = std::max({9.0, kWorthAFit * most, 0.5 * excess});
     for (std::size_t i = 0; i < list.size(); ++i) {
       const bool bad_run = list[i].found.name == "bad_run";
-      if (bad_run || (i < kMostFits && gain(list[i].found, runs) > std::max(9.0, kWorthAFit * most)))
+      if (bad_run || (i < kMostFits && gain(list[i].found, runs) > least))
         list[i].values = tests.refit(list[i].problem(), list[i].candidate, bad_run, list[i].found);
     }
     std::stable_sort(list.begin(), list.end(), better);

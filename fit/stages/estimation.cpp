@@ -71,9 +71,11 @@ void Estimation::find_minimum() {
   result_.starts_screened = static_cast<int>(search_.sample.size());
   result_.starts = search_.starts;
   result_.starts_at_best = search_.at_best;
+  constexpr int kFromThinned = 15;
   if (tracks) residuals_.linearise(unknowns_.values(search_.minima.front().z));
-  const Lowest lowest = tracks ? Lowest{minimise_linearised(residuals_, search_.minima.front().z)}
-                               : lowest_minimum(residuals_, search_, options_.threads);
+  const Lowest lowest =
+      tracks ? Lowest{minimise_linearised(residuals_, search_.minima.front().z, {.full_steps = kFromThinned})}
+             : lowest_minimum(residuals_, search_, options_.threads);
   minimum_ = lowest.minimum;
   led_here_ = lowest.from;
   if (std::any_of(problem_.summary_runs.begin(), problem_.summary_runs.end(),
