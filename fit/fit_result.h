@@ -284,7 +284,8 @@ struct FitResult {
   /// says.
   std::vector<std::string> quoted_under;
   std::map<FitParameter, EstimateUnder> as_assumed;  ///< where they are: without them
-  /// Where a law that depends on speed is among them: mu1 from rest to the highest speed seen.
+  /// Where a law that depends on speed is among them, or the data show one: mu1 from rest to the highest
+  /// speed seen.
   std::vector<FrictionAtSpeed> mu_of_speed;
   std::vector<std::string> left_out;  ///< checks that were skipped, with the reason
 

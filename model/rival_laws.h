@@ -43,7 +43,8 @@ constexpr std::size_t kMostRivalLaws = 8;
 Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const RivalLaw> laws,
                                      double tolerance = 1e-9);
 
-/// The same at `times`, s from the start, ascending: x and y of each below each other.
+/// Positions on the way, m, a column for each law: rows 2 k and 2 k + 1 are x and y at `times`[k], s from the
+/// start. Throws as above, and where `times` is empty or does not ascend.
 Eigen::MatrixXd rival_positions(const Scenario& scenario, const std::vector<double>& times,
                                 std::span<const RivalLaw> laws, double tolerance = 1e-9);
 

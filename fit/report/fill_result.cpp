@@ -7,8 +7,10 @@
 #include <limits>
 
 #include "fit/minimum/multi_start.h"
+#include "fit/rounding.h"
 #include "fit/tools/dense.h"
 #include "fit/tools/parameter_text.h"
+#include "fit/tools/parameters.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
 #include "fit/tools/track_errors.h"
@@ -94,13 +96,28 @@ bool is_covered(const std::map<FitParameter, double>& values,
 
 }  // namespace
 
-void fill_mu_of_speed(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
-                      FitResult& result) {
+void fill_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
+               FitResult& result) {
   constexpr int kPlaces = 20;
+  constexpr double kSeen = 3;  ///< sds
   const Problem& problem = unknowns.problem();
+  bool of_speed = false;
+  std::string found;
+  for (Eigen::Index i = unknowns.reported(); i < unknowns.common(); ++i) {
+    const FitParameter law = unknowns.parameter(i);
+    const double sd = std::sqrt(uncertainty.shared(i, i));
+    const bool free = problem.sets_free(law);
+    if (law < FitParameter::mu2_width || !(free || std::abs(values(i)) > kSeen * sd)) continue;
+    of_speed |= law == FitParameter::viscous || law == FitParameter::stribeck;
+    if (!free)
+      found += fmt::format("{}{}, {} = {}", found.empty() ? "" : "; ", facts(law).source, facts(law).name,
+                           quoted(values(i), sd));
+  }
+  if (!found.empty())
+    result.warnings.push_back("The data show that friction departs from the paper's law: " + found +
+                              ". The values hold beside it; the curves drawn leave it out.");
   const auto mu1 = unknowns.find(FitParameter::mu1);
-  if (!mu1 || !(problem.sets_free(FitParameter::viscous) || problem.sets_free(FitParameter::stribeck)))
-    return;
+  if (!mu1 || !of_speed) return;
   const auto viscous = unknowns.find(FitParameter::viscous), stribeck = unknowns.find(FitParameter::stribeck);
   const double platform = unknowns.reference_amplitude() * unknowns.reference_frequency();
   const double gravity = unknowns.value_of(FitParameter::gravity, values);

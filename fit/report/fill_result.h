@@ -23,9 +23,10 @@ void fill_influence(const Residuals& residuals, const Minimum& best, const Uncer
 /// residuals' sd.
 void fill_predictions(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
                       FitResult& result);
-/// mu1 against speed where a law of speed was set free.
-void fill_mu_of_speed(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
-                      FitResult& result);
+/// Departures from the paper's law of friction that were set free, or that the data show by three sds: a
+/// warning, and mu1 against speed.
+void fill_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Uncertainty& uncertainty,
+               FitResult& result);
 /// All minima near the best, the lag folded; the best with its final values first.
 void fill_minima(const Residuals& residuals, const std::vector<Minimum>& minima, FitResult& result);
 

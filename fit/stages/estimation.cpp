@@ -339,7 +339,7 @@ FitResult Estimation::report() {
   fill_runs(residuals_, best, result);
   fill_influence(residuals_, best, uncertainty_, result);
   fill_predictions(residuals_, best, uncertainty_, result);
-  fill_mu_of_speed(unknowns_, values_, uncertainty_, result);
+  fill_laws(unknowns_, values_, uncertainty_, result);
   for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
   result.budget = budget(residuals_, best, uncertainty_);
   result.improve_first = improve_first(result.budget, result.parameters);

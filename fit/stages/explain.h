@@ -10,17 +10,18 @@
 namespace tribotrack::fit::internal {
 
 struct Explained {
-  std::vector<ExplainedProblem> list;
-  std::optional<Quoted> quoted;
+  std::vector<ExplainedProblem> list;  ///< best first
+  std::optional<Quoted> quoted;        ///< the problem under which values are quoted; none: as described
 };
 
-/// What explains the residuals, and from where fits under explanations ended the minimum once more, where
-/// that is lower.
+/// What explains the residuals. Where a fit under an explanation shows a lower minimum of the fit itself,
+/// that descends there and is explained anew.
 Explained explain(const Problem& problem, Estimation& fit, const FitOptions& options);
 
-/// Of driven tracks that reject the model: runs that contradict the others, and friction that differs from
-/// run to run. Either takes the minimum with it. Bad runs show in displacements, to a usual scatter; how much
-/// friction differs the points of each run tell. Nothing where they reject the model still.
+/// Of driven tracks that reject the model: runs that contradict the others, or friction that differs from run
+/// to run. Both take the minimum with them. Bad runs are looked for among displacements whose friction may
+/// differ by 5 %; by how much it does, each run's own mu1 and mu2 tell. Empty where the points reject the
+/// model still.
 Explained explain_tracks(const Problem& problem, const Estimation& fit, const FitOptions& options);
 
 }  // namespace tribotrack::fit::internal

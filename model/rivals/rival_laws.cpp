@@ -310,7 +310,7 @@ Eigen::MatrixXd rival_positions(const Scenario& scenario, const std::vector<doub
   if (laws.empty() || laws.size() > kMostRivalLaws)
     throw InvalidParameter("one to eight rival laws are integrated together");
   if (times.empty() || !std::ranges::is_sorted(times) || times.front() < 0)
-    throw InvalidParameter("positions under rival friction laws are asked for at times that do not ascend");
+    throw InvalidParameter("rival friction laws need times that ascend");
   return Integration(scenario, laws, tolerance).at(times).leftCols(static_cast<Eigen::Index>(laws.size()));
 }
 

@@ -94,6 +94,7 @@ TEST(TracksOfLaboratories, FrictionThatDependsOnSpeedIsCounted) {
     EXPECT_GT(result.p_value, 1e-3);
     expect_truth(result);
     EXPECT_LT(result.parameters[0].sd, 1e-3 * kTruth.mu1);
+    EXPECT_EQ(result.mu_of_speed.empty(), lab.stribeck == 0 && lab.viscous == 0) << result.full_report();
   }
 }
 

@@ -119,9 +119,12 @@ std::vector<std::string> assumptions(const ReportData& data) {
     for (const std::string& name : names) symbols.push_back(parameter_text(name).symbol);
     return list_of(symbols);
   };
-  lines.push_back(fit.quoted_under.empty()
-                      ? "The paper’s friction law: μ₁, and μ₂ during the pulse."
-                      : "The paper’s friction law. Not as described: " + list_of(fit.quoted_under) + ".");
+  lines.push_back(
+      !fit.quoted_under.empty()
+          ? "The paper’s friction law. Not as described: " + list_of(fit.quoted_under) + "."
+      : !fit.mu_of_speed.empty()
+          ? "Friction that depends on speed as well (warning): μ₁, and μ₂ during the pulse, beside that."
+          : "The paper’s friction law: μ₁, and μ₂ during the pulse.");
   if (!data.exact.empty()) lines.push_back("Taken as exact: " + keys(data.exact) + ".");
   // What is said is what a parameter's uncertainty feels: a tenth of it or more.
   std::vector<std::string> defaults;

@@ -49,6 +49,21 @@ TEST(FullModel, Chi2IsThatOfTheModelWhereItEnds) {
     }
 }
 
+/// The column of the Jacobian at `values`, and differences of the residuals over a step either way.
+void expect_derivative(const Residuals& residuals, const Eigen::VectorXd& values, Eigen::Index i, double step,
+                       double share) {
+  const auto at = [&](const Eigen::VectorXd& there) {
+    Residuals anew = residuals;
+    EXPECT_TRUE(anew.linearise(there));
+    return *anew.at(there);
+  };
+  Eigen::VectorXd more = values, less = values;
+  more(i) += step, less(i) -= step;
+  const Eigen::VectorXd differences = (at(more).residuals() - at(less).residuals()) / (2 * step);
+  EXPECT_LT((at(values).jacobian(values.size()).col(i) - differences).norm(), share * differences.norm())
+      << to_string(residuals.unknowns().parameter(i));
+}
+
 // Under a strong law, too, derivatives by what is fitted are those of the displacements under it.
 TEST(FullModel, DerivativesAreThoseUnderTheLaw) {
   const Problem problem = strong_stribeck();
@@ -58,20 +73,8 @@ TEST(FullModel, DerivativesAreThoseUnderTheLaw) {
   Eigen::VectorXd values = unknowns.first_guess();
   values.head<3>() << 0.105, 0.04, -0.08;
   values(*unknowns.find(FitParameter::stribeck)) = 0.45;
-  const auto residuals_at = [&](const Eigen::VectorXd& there) {
-    Residuals anew = residuals;
-    EXPECT_TRUE(anew.linearise(there));
-    return anew.at(there)->residuals();
-  };
-  ASSERT_TRUE(residuals.linearise(values));
-  const Eigen::MatrixXd jacobian = residuals.at(values)->jacobian(unknowns.size());
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    const double step = 0.002 * std::abs(values(i));  // motion jumps elsewhere
-    Eigen::VectorXd more = values, less = values;
-    more(i) += step, less(i) -= step;
-    const Eigen::VectorXd differences = (residuals_at(more) - residuals_at(less)) / (2 * step);
-    EXPECT_LT((jacobian.col(i) - differences).norm(), 0.1 * differences.norm()) << i;
-  }
+  for (Eigen::Index i = 0; i < 3; ++i)  // motion jumps elsewhere
+    expect_derivative(residuals, values, i, 0.002 * std::abs(values(i)), 0.1);
 }
 
 // Of tracks those by everything that all runs share.
@@ -100,21 +103,9 @@ TEST(FullModel, DerivativesOfTracksAreThoseUnderTheLaw) {
   values.head<3>() << 0.105, 0.04, -0.08;
   values(*unknowns.find(FitParameter::stribeck)) = 0.2;
   values(*unknowns.find(FitParameter::gate_edges)) = 0.01;
-  const auto residuals_at = [&](const Eigen::VectorXd& there) {
-    Residuals anew = residuals;
-    EXPECT_TRUE(anew.linearise(there));
-    return anew.at(there)->residuals();
-  };
-  ASSERT_TRUE(residuals.linearise(values));
-  const Eigen::MatrixXd jacobian = residuals.at(values)->jacobian(unknowns.size());
   const Eigen::VectorXd units = unknowns.natural_units(values);
-  for (Eigen::Index i = 0; i < unknowns.common(); ++i) {
-    Eigen::VectorXd more = values, less = values;
-    more(i) += 1e-3 * units(i), less(i) -= 1e-3 * units(i);
-    const Eigen::VectorXd differences = (residuals_at(more) - residuals_at(less)) / (2e-3 * units(i));
-    EXPECT_LT((jacobian.col(i) - differences).norm(), 0.02 * differences.norm())
-        << to_string(unknowns.parameter(i));
-  }
+  for (Eigen::Index i = 0; i < unknowns.common(); ++i)
+    expect_derivative(residuals, values, i, 1e-3 * units(i), 0.02);
 }
 
 }  // namespace
