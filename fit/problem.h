@@ -88,6 +88,8 @@ inline constexpr const char* kFromCoder = "coder";
 struct OwnErrors {
   std::vector<model::Parameter> parameters;
   Eigen::MatrixXd covariance;  ///< SI, of them
+  /// Share of what they move a displacement by to which that is linear in them; beyond, it moves anywhere.
+  double bent = 0;
   /// Adds to the variance of a parameter, and to the covariance of two.
   void add(model::Parameter parameter, double variance);
   void add(model::Parameter one, model::Parameter other, double both);
@@ -171,6 +173,7 @@ struct Problem {
   bool fits(FitParameter parameter) const { return std::ranges::count(free, parameter) > 0; }
   bool has_pulses() const;         ///< in a driven run
   bool has_driven_tracks() const;  ///< trajectory runs that are no free slides
+  bool counts_run_scatter() const;  ///< friction differs from run to run: an error of each run's own
   /// An explanation sets it free.
   bool sets_free(FitParameter quantity) const;
   /// Throws DataError: nothing to fit, a value missing that is neither free nor fixed, data that are not

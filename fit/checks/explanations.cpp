@@ -145,26 +145,15 @@ class ScoreTests {
     return found;
   }
 
-  double value_of(FitParameter parameter) const { return unknowns_.value_of(parameter, values_); }
   /// Friction that differs from run to run.
-  std::optional<std::pair<Explanation, RunScatter>> test_scatter() const {
-    const RowGroup& rows = at_.groups.front();
-    const auto data = static_cast<Eigen::Index>(2 * problem_.summary_runs.size());
-    Eigen::VectorXd by_mu = Eigen::VectorXd::Zero(data);
-    for (const FitParameter mu : {FitParameter::mu1, FitParameter::mu2})
-      if (const auto i = wide_.find(mu)) by_mu += value_of(mu) * rows.shared.col(*i).head(data);
-    const auto scatter = run_scatter(rows.residuals.head(data), by_mu);
+  std::optional<Explanation> test_scatter() const {
+    const auto scatter = run_scatter(of(wide_, values_), wide_.values_of(unknowns_, values_), at_);
     if (!scatter) return std::nullopt;
-    Explanation found;
-    found.name = "run_scatter";
-    found.unit = "%";
-    found.dof = 1;
+    Explanation found = scatter_of(100 * scatter->relative, 2 * problem_.summary_runs.size());
     found.chi2_fall = scatter->fall;
-    found.size = 100 * scatter->relative;
-    found.size_sd = found.size / std::sqrt(static_cast<double>(data));
     found.p_after = residuals_.p_value(scatter->chi2, 1);
     found.parameters = estimates_under(unknowns_, values_, information_);
-    return std::pair(found, *scatter);
+    return found;
   }
 
   /// The fit in another problem of the same runs, from here or homed in. Where it ends, for this one's
@@ -189,7 +178,7 @@ class ScoreTests {
     const Eigen::VectorXd values = unknowns.values(minimum.z);
     const Eigen::MatrixXd covariance = uncertainty(unknowns, values, minimum.at).shared;
     found.refitted = true;
-    if (found.name != "run_scatter") found.chi2_fall = best_.chi2 - minimum.chi2;
+    found.chi2_fall = best_.chi2 - minimum.chi2;
     found.p_after = residuals_.p_value(minimum.chi2, found.dof);
     found.parameters = estimates_under(unknowns, values, covariance);
     const Eigen::VectorXd here = unknowns_.values_of(unknowns, values);
@@ -361,13 +350,8 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
                         return without;
                       },
                       nullptr});
-  if (const auto scatter = tests.test_scatter())
-    list.push_back({scatter->first,
-                    [&, relative = scatter->second.relative] {
-                      return with_run_scatter(problem, relative, tests.value_of(FitParameter::mu1),
-                                              tests.value_of(FitParameter::mu2));
-                    },
-                    nullptr});
+  if (auto scatter = tests.test_scatter())  // it takes the minimum with it: found by a search of its own
+    list.push_back({std::move(*scatter), nullptr, nullptr});
 
   const auto better = [&](const Tested& a, const Tested& b) {
     return gain(a.found, runs) > gain(b.found, runs);
@@ -382,6 +366,7 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
     const double least = std::max({9.0, kWorthAFit * most, 0.5 * excess});
     for (std::size_t i = 0; i < list.size(); ++i) {
       const bool bad_run = list[i].found.name == "bad_run";
+      if (!list[i].problem) continue;
       if (bad_run || (i < kMostFits && gain(list[i].found, runs) > least))
         list[i].values = tests.refit(list[i].problem(), list[i].candidate, bad_run, list[i].found);
     }

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "fit/tools/dense.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
 #include "fit/tools/thresholds.h"
@@ -105,42 +106,80 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
   return found;
 }
 
-std::optional<RunScatter> run_scatter(const Eigen::VectorXd& residuals, const Eigen::VectorXd& by_mu) {
-  const Eigen::Index runs = residuals.size() / 2;
-  if (runs < 4) return std::nullopt;
-  const auto at = [&](double s) {
-    RunScatter sum{s, 0, 0};
-    for (Eigen::Index i = 0; i < runs; ++i) {
-      const auto r = residuals.segment<2>(2 * i), j = by_mu.segment<2>(2 * i);
-      const double seen = 1 + s * s * j.squaredNorm(), along = s * j.dot(r);
-      sum.fall += along * along / seen - std::log(seen);
-      sum.chi2 += r.squaredNorm() - along * along / seen;
+namespace {
+
+/// Of a displacement, as friction differs by some per cent: beyond that it is not linear.
+constexpr double kBent = 0.1;
+
+}  // namespace
+
+namespace {
+
+/// The likeliest s of residuals with the covariances I + s^2 shape.
+RunScatter likeliest(const Eigen::VectorXd& residuals, const std::vector<Eigen::Matrix2d>& shapes,
+                     double least, double most) {
+  const auto of = [&](double s) {
+    RunScatter sum{s, 0, 0, 0};
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      const Eigen::Vector2d r = residuals.segment<2>(2 * static_cast<Eigen::Index>(i));
+      const Eigen::Matrix2d seen = Eigen::Matrix2d::Identity() + s * s * shapes[i];
+      const double left = r.dot(Factor2(seen).solved(r));
+      sum.fall += r.squaredNorm() - left - std::log(seen.determinant());
+      sum.chi2 += left;
     }
     return sum;
   };
-  constexpr double kLeast = 1e-5, kMost = 1;
   constexpr int kBits = 20;
-  const double best =
-      boost::math::tools::brent_find_minima([&](double log_s) { return -at(std::exp(log_s)).fall; },
-                                            std::log(kLeast), std::log(kMost), kBits)
-          .first;
-  const RunScatter found = at(std::exp(best));
+  const auto rise = [&](double log_s) { return -of(std::exp(log_s)).fall; };
+  return of(
+      std::exp(boost::math::tools::brent_find_minima(rise, std::log(least), std::log(most), kBits).first));
+}
+
+}  // namespace
+
+std::optional<RunScatter> run_scatter(const Residuals& residuals, const Eigen::VectorXd& values,
+                                      const Linearised& at) {
+  const Unknowns& unknowns = residuals.unknowns();
+  const auto runs = unknowns.problem().summary_runs.size();
+  if (runs < 4) return std::nullopt;
+  const RowGroup& rows = at.groups.front();
+  std::vector<Eigen::Matrix2d> by_friction, anyhow;
+  for (std::size_t k = 0; k < runs; ++k) {
+    Eigen::Matrix2d g = Eigen::Matrix2d::Zero();
+    for (const FitParameter mu : {FitParameter::mu1, FitParameter::mu2})
+      if (const auto i = unknowns.find(mu))
+        g.col(mu == FitParameter::mu2) =
+            unknowns.value_of(mu, values) * rows.shared.col(*i).segment<2>(2 * static_cast<Eigen::Index>(k));
+    by_friction.push_back(g * g.transpose() +
+                          0.5 * kBent * kBent * g.squaredNorm() * Eigen::Matrix2d::Identity());
+    const Eigen::Matrix2d whitening = Factor2(residuals.covariance(k)).inverse_lower();
+    anyhow.push_back(whitening * whitening.transpose());
+  }
+  const Eigen::VectorXd data = rows.residuals.head(2 * static_cast<Eigen::Index>(runs));
+  RunScatter found = likeliest(data, by_friction, 1e-5, 1);
+  found.beyond_any = found.fall - likeliest(data, anyhow, 1e-9, 1).fall;
+  found.chi2 += at.chi2() - data.squaredNorm();
   return found.fall > 0 ? std::optional(found) : std::nullopt;
 }
 
+Explanation scatter_of(double per_cent, std::size_t numbers) {
+  Explanation found;
+  found.name = "run_scatter";
+  found.unit = "%";
+  found.size = per_cent;
+  found.size_sd = per_cent / std::sqrt(2.0 * static_cast<double>(numbers));
+  return found;
+}
+
 Problem with_run_scatter(Problem problem, double relative, double mu1, double mu2) {
-  for (SummaryRun& run : problem.summary_runs) {
-    run.own.add(model::Parameter::mu1, std::pow(relative * mu1, 2));
-    if (!(run.scenario.friction.pulse_width > 0)) continue;
-    run.own.add(model::Parameter::mu2, std::pow(relative * mu2, 2));
-    run.own.add(model::Parameter::mu1, model::Parameter::mu2, relative * relative * mu1 * mu2);
-  }
-  for (TrajectoryRun& run : problem.trajectory_runs) {  // points tell the two apart
-    if (run.free_slide) continue;
-    run.own.add(model::Parameter::mu1, std::pow(relative * mu1, 2));
-    if (run.scenario.friction.pulse_width > 0)
-      run.own.add(model::Parameter::mu2, std::pow(relative * mu2, 2));
-  }
+  const auto add = [&](const model::Friction& friction, OwnErrors& own) {
+    own.add(model::Parameter::mu1, std::pow(relative * mu1, 2));
+    if (friction.pulse_width > 0) own.add(model::Parameter::mu2, std::pow(relative * mu2, 2));
+    own.bent = kBent;
+  };
+  for (SummaryRun& run : problem.summary_runs) add(run.scenario.friction, run.own);
+  for (TrajectoryRun& run : problem.trajectory_runs)
+    if (!run.free_slide) add(run.scenario.friction, run.own);
   return problem;
 }
 
@@ -156,34 +195,39 @@ double few_runs(int seen, double up, double down) {
 
 }  // namespace
 
-double runs_test(const std::vector<RunResult>& runs) {
-  struct Row {
-    double width, phi, along, across;
-  };
-  std::vector<Row> rows;
-  for (const RunResult& run : runs) {
-    if (run.points > 0 || run.prediction || run.residuals.size() < 2) continue;
-    const Residual &x = run.residuals[0], &y = run.residuals[1];
-    const Eigen::Vector2d difference(x.measured - x.modelled, y.measured - y.modelled);
-    const Eigen::Vector2d along = Eigen::Vector2d(x.modelled, y.modelled).normalized();
-    const auto& friction = run.fitted.friction;
-    rows.push_back({friction.pulse_width, friction.phase, along.dot(difference),
-                    along.x() * difference.y() - along.y() * difference.x()});
-  }
-  if (rows.size() < 8) return 1;
-  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
+double runs_test(std::vector<InOrder> runs) {
+  if (runs.size() < 8) return 1;
+  std::stable_sort(runs.begin(), runs.end(), [](const InOrder& a, const InOrder& b) {
     return std::tie(a.width, a.phi) < std::tie(b.width, b.phi);
   });
   double smallest = 1;
-  for (double Row::*component : {&Row::along, &Row::across}) {
+  for (const bool is_along : {true, false}) {
     int changes = 1, up = 0;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      up += rows[i].*component > 0;
-      if (i > 0 && (rows[i].*component > 0) != (rows[i - 1].*component > 0)) ++changes;
+    bool before = false;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      const auto& [width, phi, modelled, difference] = runs[i];
+      const Eigen::Vector2d across(-modelled.y(), modelled.x());
+      const bool above = (is_along ? modelled : across).dot(difference) > 0;
+      up += above;
+      changes += i > 0 && above != before;
+      before = above;
     }
-    smallest = std::min(smallest, few_runs(changes, up, static_cast<double>(rows.size()) - up));
+    smallest = std::min(smallest, few_runs(changes, up, static_cast<double>(runs.size()) - up));
   }
   return std::min(1.0, 2 * smallest);  // of two components
+}
+
+double runs_test(const std::vector<RunResult>& runs) {
+  std::vector<InOrder> rows;
+  for (const RunResult& run : runs) {
+    if (run.points > 0 || run.prediction || run.residuals.size() < 2) continue;
+    const Residual &x = run.residuals[0], &y = run.residuals[1];
+    rows.push_back({run.fitted.friction.pulse_width,
+                    run.fitted.friction.phase,
+                    {x.modelled, y.modelled},
+                    {x.measured - x.modelled, y.measured - y.modelled}});
+  }
+  return runs_test(std::move(rows));
 }
 
 }  // namespace tribotrack::fit::internal

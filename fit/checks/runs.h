@@ -27,20 +27,27 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best);
 std::pair<std::size_t, double> worst_run(const Unknowns& unknowns, const Minimum& best,
                                          const std::vector<bool>& out);
 
-/// Friction that differs from run to run, all of it by the same share: mu1 and mu2 of run i are (1 + e_i) of
-/// the campaign's, e_i of sd s. With J_i = mu1 dx_i/dmu1 + mu2 dx_i/dmu2 (whitened) its residuals have the
-/// covariance I + s^2 J_i J_i'; s is that of the greatest likelihood,
-///   -2 ln L(s) = sum_i ln(1 + s^2 |J_i|^2) + r_i'r_i - s^2 (J_i'r_i)^2 / (1 + s^2 |J_i|^2).
+/// Friction that differs from run to run: mu1 and mu2 of run i are (1 + e) of the campaign's, each with an e
+/// of its own, of sd s. With G_i the derivatives of the run's displacement by ln mu1 and ln mu2, whitened,
+/// its residuals r_i have the covariance
+///   S_i = I + s^2 (G_i G_i' + b^2 tr(G_i G_i')/2 I),
+/// b the share to which a displacement is linear in so much friction; s is that of the greatest likelihood,
+///   -2 ln L(s) = sum_i ln |S_i| + r_i' S_i^-1 r_i.
 /// It is an explanation like others, by what -2 ln L falls; one against which no closer look at the platform
 /// helps.
 struct RunScatter {
-  double relative = 0;  ///< s
-  double fall = 0;      ///< of -2 ln L from s = 0
-  double chi2 = 0;      ///< the quadratic part
+  double relative = 0;    ///< s
+  double fall = 0;        ///< of -2 ln L from s = 0
+  double chi2 = 0;        ///< the quadratic part, with the priors'
+  double beyond_any = 0;  ///< `fall` beyond that by a scatter of all displacements alike, m
 };
 
-/// Of the summary runs' rows, two a run; `by_mu` is J. nullopt where none is seen.
-std::optional<RunScatter> run_scatter(const Eigen::VectorXd& residuals, const Eigen::VectorXd& by_mu);
+/// Of the summary runs' rows `at` values. nullopt where none is seen.
+std::optional<RunScatter> run_scatter(const Residuals& residuals, const Eigen::VectorXd& values,
+                                      const Linearised& at);
+
+/// The explanation by it, in per cent, of so many numbers.
+Explanation scatter_of(double per_cent, std::size_t numbers);
 
 /// As an error of each run's own.
 Problem with_run_scatter(Problem problem, double relative, double mu1, double mu2);
@@ -49,5 +56,11 @@ Problem with_run_scatter(Problem problem, double relative, double mu1, double mu
 /// p of so few changes of sign, along and across the displacements, among summary runs sorted by dtau and phi
 /// (Wald and Wolfowitz, Ann. Math. Stat. 11, 147, 1940). 1 with fewer than eight runs.
 double runs_test(const std::vector<RunResult>& runs);
+/// Likewise of the residuals of summary runs, m.
+struct InOrder {
+  double width, phi;  ///< rad, of the run's pulse
+  Eigen::Vector2d modelled, difference;
+};
+double runs_test(std::vector<InOrder> runs);
 
 }  // namespace tribotrack::fit::internal

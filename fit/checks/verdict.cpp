@@ -152,9 +152,10 @@ std::optional<Quoted> explained(const Problem& problem, double chi2, std::vector
     if (k == 0 && first_that_explains(now) == now.end() && !outliers.empty())
       return without_bad_runs(problem, outliers);
     std::optional<Refit> best;
-    if (first_that_explains(now) == now.end() && !now.empty() && now.front().found.refitted) {
-      Explanation& found = now.front().found;
-      best = refit(begun(now.front()));
+    const auto front = std::ranges::find_if(now, [](const auto& e) { return e.found.name != "run_scatter"; });
+    if (first_that_explains(now) == now.end() && front != now.end() && front->found.refitted) {
+      Explanation& found = front->found;
+      best = refit(begun(*front));
       if (best->chi2 < chi2 - found.chi2_fall) {
         found.chi2_fall = chi2 - best->chi2;
         found.p_after = best->p_value;
@@ -173,7 +174,7 @@ std::optional<Quoted> explained(const Problem& problem, double chi2, std::vector
       return quoted;
     }
     if (!best) return std::nullopt;
-    quoted.under.push_back(sentence_of(now.front().found));
+    quoted.under.push_back(sentence_of(front->found));
     chi2 = best->chi2;
     beside = std::move(best->explanations);
   }

@@ -95,6 +95,11 @@ bool Problem::has_driven_tracks() const {
   return std::ranges::any_of(trajectory_runs, [](const TrajectoryRun& run) { return !run.free_slide; });
 }
 
+bool Problem::counts_run_scatter() const {
+  const auto bent = [](const auto& run) { return run.own.bent > 0; };
+  return std::ranges::any_of(summary_runs, bent) || std::ranges::any_of(trajectory_runs, bent);
+}
+
 bool Problem::sets_free(FitParameter quantity) const {
   return std::ranges::any_of(
       conditions, [&](const Condition& c) { return c.quantity == quantity && c.from == kSetFree; });

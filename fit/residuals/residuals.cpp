@@ -248,6 +248,7 @@ void Residuals::set_own_errors(const Eigen::VectorXd& values) {
       const Eigen::Matrix2Xd moved = end_point(applied.scenario, run.own.parameters, tolerance_).jacobian *
                                      (applied.stretch / applied.scale);
       own_[i] = moved * run.own.covariance * moved.transpose();
+      own_[i] += 0.5 * run.own.bent * run.own.bent * own_[i].trace() * Eigen::Matrix2d::Identity();
     } catch (const model::InvalidParameter&) {  // no motion there: nothing to move
     } catch (const model::StepLimitExceeded&) {
     }

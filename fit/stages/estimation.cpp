@@ -191,12 +191,16 @@ std::vector<double> Estimation::quantiles() const {
   const double estimated_by = result_.scatter_from_replicates
                                   ? result_.replicate_dof
                                   : std::max(1.0, residuals_.degrees_of_freedom());
+  const auto numbers = 2 * (problem_.summary_runs.size() + problem_.trajectory_runs.size());
+  const double by_runs = problem_.counts_run_scatter()
+                             ? static_cast<double>(numbers) - static_cast<double>(unknowns_.reported())
+                             : kInfinity;
   std::vector<double> t;
   for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {
     const double by_correlated =
         correlated_.degrees_of_freedom.size() > 0 ? correlated_.degrees_of_freedom(i) : kInfinity;
-    const double dof =
-        std::max(1.0, std::min({from_residuals ? estimated_by : kInfinity, by_correlated, by_slides(i)}));
+    const double dof = std::max(
+        1.0, std::min({from_residuals ? estimated_by : kInfinity, by_correlated, by_runs, by_slides(i)}));
     t.push_back(two_sided_quantile(kConfidence, dof));
   }
   return t;
@@ -297,14 +301,34 @@ double Estimation::scatter_of_friction() const {
   return std::sqrt(square / std::max(1.0, count - 2));
 }
 
+std::optional<Explanation> Estimation::scatter_at(const Eigen::VectorXd& values) const {
+  Residuals rows = residuals_;
+  rows.set_own_errors(values);
+  rows.linearise(values);
+  const auto at = rows.at(values);
+  const auto scatter = at ? run_scatter(rows, values, *at) : std::nullopt;
+  if (!scatter) return std::nullopt;
+  Explanation found = scatter_of(100 * scatter->relative, 2 * problem_.summary_runs.size());
+  found.chi2_fall = minimum_.chi2 - at->chi2() + scatter->fall;
+  found.p_after = residuals_.p_value(scatter->chi2, 1);
+  found.parameters = estimates_under(unknowns_, values, uncertainty(unknowns_, values, *at).covariance);
+  found.refitted = true;
+  std::vector<InOrder> in_order;
+  for (std::size_t i = 0; i < problem_.summary_runs.size(); ++i) {
+    const SummaryRun& run = problem_.summary_runs[i];
+    const Eigen::Vector2d difference = rows.difference(*at, i);
+    if (!run.held_out)
+      in_order.push_back({run.scenario.friction.pulse_width, run.scenario.friction.phase,
+                          run.measured.vector - difference, difference});
+  }
+  found.explains =
+      scatter->beyond_any > 0 && found.p_after > kExplained && runs_test(std::move(in_order)) > kExplained;
+  return found;
+}
+
 Explanation Estimation::scatter_explained(const Estimation& other) const {
-  Explanation found;
-  found.name = "run_scatter";
-  found.unit = "%";
-  found.dof = 1;
+  Explanation found = scatter_of(100 * scatter_of_friction(), problem_.trajectory_runs.size());
   found.chi2_fall = other.chi2() - chi2();
-  found.size = 100 * scatter_of_friction();
-  found.size_sd = found.size / std::sqrt(2.0 * static_cast<double>(problem_.trajectory_runs.size()));
   found.p_after = p_value_;
   found.parameters = assumed().as_assumed;
   found.refitted = found.explains = true;

@@ -41,6 +41,8 @@ class Estimation {
   /// By chance in one of a thousand; the scatter of repeated runs is none of the model's.
   bool rejected() const { return p_value_ < kSurprise; }
   double chi2() const { return minimum_.chi2; }
+  const Unknowns& unknowns() const { return unknowns_; }
+  Eigen::VectorXd values() const { return unknowns_.values(minimum_.z); }
   const std::vector<Outlier>& outliers() const { return result_.outliers; }
   double value_of(FitParameter parameter) const {
     return unknowns_.value_of(parameter, unknowns_.values(minimum_.z));
@@ -53,6 +55,9 @@ class Estimation {
   std::map<FitParameter, double> estimates_alone() const;
   /// By how much friction differs from track to track, relative, of tracks with errors of their own in it.
   double scatter_of_friction() const;
+  /// Friction that differs from run to run, by the residuals of displacements at these values. It explains
+  /// them unless they go with the setting, as under a law.
+  std::optional<Explanation> scatter_at(const Eigen::VectorXd& values) const;
   /// As an explanation of another fit to the same runs.
   Explanation scatter_explained(const Estimation& other) const;
   /// Where the residuals exceed their sigma: scatter, correlated errors, robust weights.

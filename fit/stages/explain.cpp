@@ -1,11 +1,92 @@
 #include "fit/stages/explain.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "fit/checks/runs.h"
 
 namespace tribotrack::fit::internal {
+
+namespace {
+
+constexpr double kUsual = 0.05;  ///< of friction, from run to run
+
+/// Friction that differs from run to run. It takes the minimum with it, which is looked for among runs whose
+/// friction may differ by 5 %, then by as much as it does, while that is likelier. Nothing where it goes with
+/// the setting: that is a law.
+std::optional<ExplainedProblem> by_scatter(const Problem& problem, const Estimation& fit,
+                                           const FitOptions& options) {
+  constexpr std::size_t kMostMinima = 6;
+  constexpr int kMostTimes = 4, kOwnErrors = 2;
+  std::optional<ExplainedProblem> best;
+  const auto with_scatter = [&](double relative, const Eigen::VectorXd& values) {
+    const auto of = [&](FitParameter parameter) { return fit.unknowns().value_of(parameter, values); };
+    Problem next = with_run_scatter(problem, relative, of(FitParameter::mu1), of(FitParameter::mu2));
+    for (const FitParameter parameter : problem.free) next.start[parameter] = of(parameter);
+    return next;
+  };
+  /// Descends; whether that is likelier than the best so far, which it is then.
+  const auto descend = [&](Residuals& rows, Eigen::VectorXd z) {
+    for (int k = 0; k < kOwnErrors; ++k) {  // which depend on where they are
+      rows.set_own_errors(rows.unknowns().values(z));
+      z = minimise(rows, z).z;
+    }
+    const Eigen::VectorXd values = rows.unknowns().values(z);
+    auto found = fit.scatter_at(values);
+    if (!found || (best && found->chi2_fall <= best->found.chi2_fall)) return false;
+    best = ExplainedProblem{*found, with_scatter(0.01 * found->size, values), values};
+    return true;
+  };
+  const auto rows_of = [&](const Unknowns& unknowns) {
+    Residuals rows(unknowns, options.threads);
+    rows.set_tolerance(1e-8);
+    rows.set_own_errors(unknowns.first_guess());
+    return rows;
+  };
+  const Problem usual = with_scatter(kUsual, fit.values());
+  const Unknowns unknowns(usual);
+  Residuals rows = rows_of(unknowns);
+  const std::vector<Minimum> minima = multi_start(rows, options).minima;
+  for (std::size_t k = 0; k < std::min(kMostMinima, minima.size()); ++k) descend(rows, minima[k].z);
+  bool likelier = best.has_value();
+  for (int k = 0; likelier && k < kMostTimes; ++k) {
+    const Problem next = best->problem;
+    const Unknowns of_next(next);
+    Residuals there = rows_of(of_next);
+    likelier = descend(there, of_next.z(best->values));
+  }
+  return best && best->found.explains ? best : std::nullopt;
+}
+
+/// Takes friction that differs from run to run for the explanation, or for one as good, where it is likelier
+/// than what was found.
+void weigh_scatter(const Problem& problem, const Estimation& fit, const FitOptions& options,
+                   Explained& result) {
+  constexpr double kNearly = 0.8;  ///< of the gain of what was found, to first order
+  const auto scatter =
+      std::ranges::find(result.list, "run_scatter", [](const auto& e) { return e.found.name; });
+  if (problem.counts_run_scatter() || problem.has_driven_tracks() || scatter == result.list.end() ||
+      (result.quoted && result.quoted->under.size() > 1))
+    return;
+  const double known = result.quoted ? gain_of(result.list.front().found) : 0;
+  if (gain_of(scatter->found) < kNearly * known) return;
+  auto found = by_scatter(problem, fit, options);
+  if (!found) return;
+  result.list.erase(scatter);
+  const double gain = gain_of(found->found);
+  const auto place =
+      std::ranges::find_if(result.list, [&](const auto& e) { return gain_of(e.found) < gain; });
+  if (result.quoted && gain < known + kPreferred) {
+    if (gain > known - kPreferred) result.quoted->as_good.push_back(found->found);
+    result.list.insert(std::max(place, result.list.begin() + 1), std::move(*found));
+    return;
+  }
+  result.quoted = Quoted{found->problem, {sentence_of(found->found)}, {}};
+  result.list.insert(result.list.begin(), std::move(*found));
+}
+
+}  // namespace
 
 Explained explain(const Problem& problem, Estimation& fit, const FitOptions& options) {
   Explained result;
@@ -28,11 +109,11 @@ Explained explain(const Problem& problem, Estimation& fit, const FitOptions& opt
       });
     again = k + 1 < kMostTimes && fit.rejected() && fit.lower_from(ends);
   }
+  if (fit.rejected() && squares) weigh_scatter(problem, fit, options, result);
   return result;
 }
 
 Explained explain_tracks(const Problem& problem, const Estimation& fit, const FitOptions& options) {
-  constexpr double kUsual = 0.05;  ///< of friction, from run to run
   if (!problem.has_driven_tracks() || !fit.rejected()) return {};
   Quoted under{problem, {}, {}};
   const auto with_scatter = [&](double relative) {
