@@ -63,27 +63,16 @@ bool is_comment(std::string_view line) {
   return first != line.npos && line[first] == '#';
 }
 
-bool is_heading(std::string_view line, const std::string& heading) {
+/// What a line sets or opens, be it as a comment: a key, "[part]", "[[run]]"; nothing for other lines.
+std::string_view subject_of(std::string_view line) {
   line = bare(line);
-  return line.starts_with(heading) && bare(line.substr(heading.size())).find('=') == line.npos;
-}
-
-/// Does any table begin here, be it as a comment?
-bool is_any_heading(std::string_view line) {
-  line = bare(line);
-  if (!line.starts_with('[')) return false;
-  line.remove_prefix(line.starts_with("[[") ? 2 : 1);
-  const std::size_t end = line.find_first_not_of("abcdefghijklmnopqrstuvwxyz_.");
-  return end != line.npos && end > 0 && line[end] == ']';
-}
-
-/// Is the key set in this line, live or as a comment?
-bool sets(std::string_view line, const std::string& key) {
-  line = bare(line);
-  if (!line.starts_with(key)) return false;
-  line.remove_prefix(key.size());
-  const std::size_t next = line.find_first_not_of(" \t");
-  return next != line.npos && line[next] == '=';
+  const std::string_view word = line.substr(0, line.find_first_of(" \t\r=#:"));
+  const std::size_t behind = line.find_first_not_of(" \t\r", word.size());
+  const char next = behind == line.npos ? '#' : line[behind];
+  if (!word.starts_with('[')) return next == '=' ? word : "";
+  const bool heading =
+      word.ends_with(']') && word.find_first_not_of("[]abcdefghijklmnopqrstuvwxyz_.") == word.npos;
+  return heading && (next == '#' || next == ':') ? word : "";
 }
 
 /// The text with another value for the one that stands there. What `init` says of a guess behind it does not
@@ -109,57 +98,28 @@ std::string line_with(std::string_view line, const CampaignEdit& edit) {
   return fmt::format("{} = {}", edit.key, edit.value);
 }
 
-/// The value that an edit is about; null where it is not there.
-const toml::node* value_at(const toml::table& file, const CampaignEdit& edit) {
-  const auto place = edit.section == "run" ? file["run"][edit.run] : file.at_path(edit.section);
-  return place[edit.key].node();
-}
-
-struct Block {
-  std::size_t begin, end;  ///< lines, that of the heading first
-};
-
-std::optional<Block> block_of(const std::vector<std::string>& lines, const CampaignEdit& edit) {
+/// With a key that is not there yet: where it stands as a comment, else behind the last key of its section.
+std::string with_key(const std::string& text, const CampaignEdit& edit) {
   const bool of_run = edit.section == "run";
   const std::string heading = of_run ? "[[run]]" : "[" + edit.section + "]";
-  std::optional<Block> found;
-  std::size_t seen = 0;
-  for (std::size_t k = 0; k < lines.size() && !found; ++k) {
-    if (!is_heading(lines[k], heading) || (of_run && (is_comment(lines[k]) || seen++ != edit.run))) continue;
-    found = {k, k + 1};
-  }
-  if (!found) return found;
-  while (found->end < lines.size() && !is_any_heading(lines[found->end])) ++found->end;
-  return found;
-}
-
-/// Into the section's lines: where the key stands as a comment, else behind the last key.
-void set_in_block(std::vector<std::string>& lines, const Block& block, const CampaignEdit& edit) {
-  std::size_t last = block.begin;
-  for (std::size_t k = block.begin + 1; k < block.end; ++k) {
-    if (is_comment(lines[k]) && sets(lines[k], edit.key)) {
-      lines[k] = line_with(lines[k], edit);
-      return;
-    }
-    if (!is_comment(lines[k]) && bare(lines[k]).find('=') != std::string_view::npos) last = k;
-  }
-  lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(last) + 1,
-               fmt::format("{} = {}", edit.key, edit.value));
-}
-
-/// With a key that is not there yet.
-std::string with_key(const std::string& text, const CampaignEdit& edit) {
   std::vector<std::string> lines = lines_of(text);
-  std::optional<Block> block = block_of(lines, edit);
-  if (block && is_comment(lines[block->begin])) lines[block->begin] = std::string(bare(lines[block->begin]));
-  if (!block) {  // before the runs, which are the last
-    const auto first =
-        std::ranges::find_if(lines, [](const std::string& line) { return is_heading(line, "[[run]]"); });
-    const auto at = static_cast<std::size_t>(first - lines.begin());
-    lines.insert(first, {"[" + edit.section + "]", ""});
-    block = Block{at, at + 1};
+  std::size_t seen = 0;
+  auto begin = std::ranges::find_if(lines, [&](const std::string& line) {
+    return subject_of(line) == heading && (!of_run || (!is_comment(line) && seen++ == edit.run));
+  });
+  if (begin == lines.end())  // before the runs, which are the last
+    begin = lines.insert(std::ranges::find(lines, "[[run]]", subject_of), {heading, ""});
+  if (is_comment(*begin)) *begin = std::string(bare(*begin));
+
+  auto last = begin;
+  for (auto line = begin + 1; line != lines.end() && !subject_of(*line).starts_with('['); ++line) {
+    if (is_comment(*line) && subject_of(*line) == edit.key) {
+      *line = line_with(*line, edit);
+      return text_of_lines(lines);
+    }
+    if (!is_comment(*line) && !subject_of(*line).empty()) last = line;
   }
-  set_in_block(lines, *block, edit);
+  lines.insert(last + 1, fmt::format("{} = {}", edit.key, edit.value));
   return text_of_lines(lines);
 }
 
@@ -169,17 +129,6 @@ std::string without(const std::string& text, const toml::node& old) {
   for (toml::source_index line = old.source().begin.line; line <= old.source().end.line; ++line)
     lines[line - 1].insert(0, "# ");
   return text_of_lines(lines);
-}
-
-Json& place_in(Json& values, const CampaignEdit& edit) {
-  if (edit.section == "run") return values["run"][edit.run];
-  Json* at = &values;
-  for (std::size_t begin = 0; begin < edit.section.size();) {
-    const std::size_t end = std::min(edit.section.find('.', begin), edit.section.size());
-    at = &(*at)[edit.section.substr(begin, end - begin)];
-    begin = end + 1;
-  }
-  return *at;
 }
 
 /// A value alone, which TOML can read.
@@ -196,19 +145,21 @@ std::string with_edit(const std::string& text, const CampaignEdit& edit, const s
     return !s.empty() && s.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_.") == s.npos;
   };
   if (!word(edit.key) || !word(edit.section)) throw InvalidInput(name + ": no such key");
+  const bool of_run = edit.section == "run";
+  std::string path = of_run ? fmt::format("run/{}", edit.run) : edit.section;
+  std::ranges::replace(path, '.', '/');
+  const Json::json_pointer place("/" + path);
   Json wanted = values_of_campaign(text, name);
-  if (edit.section == "run" && (!wanted.contains("run") || edit.run >= wanted["run"].size()))
+  if (of_run && !wanted.contains(place))
     throw InvalidInput("{}: has no [[run]] number {}", name, edit.run + 1);
-  Json& place = place_in(wanted, edit);
-  if (place.is_null()) place = Json::object();
-  if (edit.value.empty())
-    place.erase(edit.key);
-  else
-    place[edit.key] = value_of(edit, name);
-
   const toml::table file = toml::parse(text);
-  const toml::node* old = value_at(file, edit);
+  const auto section = of_run ? file["run"][edit.run] : file.at_path(edit.section);
+  const toml::node* old = section[edit.key].node();
   if (!old && edit.value.empty()) return text;
+  if (edit.value.empty())
+    wanted[place].erase(edit.key);
+  else
+    wanted[place / edit.key] = value_of(edit, name);
   const std::string changed = !old                 ? with_key(text, edit)
                               : edit.value.empty() ? without(text, *old)
                                                    : with_value(text, *old, edit.value);
@@ -225,34 +176,27 @@ std::string with_edit(const std::string& text, const CampaignEdit& edit, const s
   return changed;
 }
 
+/// Does this line of `init` ask for what is there by now?
+bool is_answered(std::string_view line, const Json& values) {
+  constexpr std::string_view kAsks = "# TO FILL IN: ";
+  if (!line.starts_with(kAsks)) return false;
+  line.remove_prefix(kAsks.size());
+  const auto has = [&](const char* place) { return values.contains(Json::json_pointer(place)); };
+  if (line.starts_with("diameter_mm in [part]")) return has("/part/diameter_mm") || has("/camera/mm_per_px");
+  if (line.starts_with("frame_rate_hz in [camera]")) return has("/camera/frame_rate_hz");
+  return values.contains("run") && std::ranges::any_of(values["run"], [&](const Json& run) {
+           const std::string stem = std::filesystem::path(run.value("video", "")).stem().string();
+           return line.starts_with(fmt::format("phi_rad and dtau_rad of {}: ", stem)) &&
+                  run.contains("phi_rad") && run.contains("dtau_rad");
+         });
+}
+
 }  // namespace
 
 Json values_of_campaign(const std::string& text, const std::string& name) {
   StrictTable::parse(text, name);  // refuses what is no TOML
   return values_in(toml::parse(text), text);
 }
-
-namespace {
-
-/// Does this line of `init` ask for what is there by now?
-bool is_answered(const std::string& line, const Json& values) {
-  constexpr std::string_view kAsks = "# TO FILL IN: ";
-  if (!line.starts_with(kAsks)) return false;
-  const std::string asked = line.substr(kAsks.size());
-  const auto has = [&](const char* section, const char* key) {
-    return values.contains(section) && values[section].contains(key);
-  };
-  if (asked.starts_with("diameter_mm in [part]"))
-    return has("part", "diameter_mm") || has("camera", "mm_per_px");
-  if (asked.starts_with("frame_rate_hz in [camera]")) return has("camera", "frame_rate_hz");
-  return values.contains("run") && std::ranges::any_of(values["run"], [&](const Json& run) {
-           const std::string stem = std::filesystem::path(run.value("video", "")).stem().string();
-           return asked.starts_with(fmt::format("phi_rad and dtau_rad of {}: ", stem)) &&
-                  run.contains("phi_rad") && run.contains("dtau_rad");
-         });
-}
-
-}  // namespace
 
 std::string with_edits(std::string text, const std::vector<CampaignEdit>& edits, const std::string& name) {
   for (const CampaignEdit& edit : edits) text = with_edit(text, edit, name);
