@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "apps/files/tracks/any_track.h"
@@ -19,10 +20,8 @@ namespace {
 
 constexpr double kUniform = 0.2887;  ///< sd of what is rounded to 1: 1/sqrt(12)
 
-/// The times of the frames and where they came from.
+/// Where the times of the frames come from.
 struct Clock {
-  std::vector<std::int64_t> frame;
-  std::vector<double> time;  ///< s
   std::optional<double> rate_hz;
   std::string from, warning;
 };
@@ -88,41 +87,37 @@ std::string playback_warning(double rate) {
   return "";
 }
 
-Clock clock_of(const std::filesystem::path& path, const PointSamples& samples, const TrackReading& reading,
-               bool frames_in_file) {
-  Clock clock;
-  clock.frame = samples.frame;
-  const bool times = samples.time.size() > 1;
+/// Numbers and times the part's samples as the frames were taken.
+Clock set_clock(const std::filesystem::path& path, std::vector<PointSample>& samples,
+                const TrackColumns& columns, const TrackReading& reading) {
+  std::vector<double> time;
+  for (const PointSample& at : samples) time.push_back(at.time);
   if (reading.frame_rate_hz) {
-    if (times && !frames_in_file) clock.frame = numbered_by(samples.time, interval_of(path, samples.time));
-    for (const std::int64_t frame : clock.frame)
-      clock.time.push_back(static_cast<double>(frame) / *reading.frame_rate_hz);
-    clock.rate_hz = reading.frame_rate_hz;
-    clock.from = "frame numbers and the given rate";
-    return clock;
+    if (columns.time && !columns.frame) {
+      const std::vector<std::int64_t> numbers = numbered_by(time, interval_of(path, time));
+      for (std::size_t k = 0; k < samples.size(); ++k) samples[k].frame = numbers[k];
+    }
+    for (PointSample& at : samples) at.time = static_cast<double>(at.frame) / *reading.frame_rate_hz;
+    return {reading.frame_rate_hz, "frame numbers and the given rate", ""};
   }
-  if (!times)
+  if (!columns.time)
     throw InvalidInput(
         "{}: has no times; give the rate at which its frames were taken, frame_rate_hz in [camera] (--fps)",
         path.string());
-  clock.time = samples.time;
-  const double step = interval_of(path, samples.time);
-  const std::vector<std::int64_t> numbers = numbered_by(samples.time, step);
-  const auto [start, interval] = line_through(numbers, samples.time);
+  const std::vector<std::int64_t> numbers = numbered_by(time, interval_of(path, time));
+  const auto [start, interval] = line_through(numbers, time);
   double off = 0;
   for (std::size_t k = 0; k < numbers.size(); ++k)
-    off = std::max(off, std::abs(samples.time[k] - start - interval * static_cast<double>(numbers[k])));
-  const bool even = off <= 0.6 * samples.time_step;
+    off = std::max(off, std::abs(time[k] - start - interval * static_cast<double>(numbers[k])));
+  const bool even = off <= 0.6 * std::ranges::min(samples, {}, &PointSample::time_step).time_step;
   const bool distinct = std::adjacent_find(numbers.begin(), numbers.end()) == numbers.end();
-  if (even && distinct) {
-    for (std::size_t k = 0; k < numbers.size(); ++k)
-      clock.time[k] = start + interval * static_cast<double>(numbers[k]);
-    if (!frames_in_file) clock.frame = numbers;
-  }
-  clock.rate_hz = 1 / interval;
-  clock.from = even && distinct ? "times in the file, on an even grid" : "times in the file";
-  clock.warning = playback_warning(*clock.rate_hz);
-  return clock;
+  if (even && distinct)
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      samples[k].time = start + interval * static_cast<double>(numbers[k]);
+      if (!columns.frame) samples[k].frame = numbers[k];
+    }
+  return {1 / interval, even && distinct ? "times in the file, on an even grid" : "times in the file",
+          playback_warning(1 / interval)};
 }
 
 /// The unit of a point, and millimetres to one; of pixels the given scale.
@@ -161,26 +156,16 @@ bool y_points_up(const CsvTable& table, const TrackColumns& columns, const Scale
   return columns.y.empty() ? !scale.pixels : columns.y == "up";
 }
 
-/// sds of x and y of every sample, in its unit, and whether they were estimated.
-struct Noise {
-  std::vector<Eigen::Vector2d> sd;
-  Eigen::Vector2d estimate = Eigen::Vector2d::Zero();
-  double dof = 0;  ///< fit::PointNoise::dof
-  bool estimated = false;
-};
-
-Noise noise_of(const CsvTable& table, const PointSamples& samples, const std::vector<std::int64_t>& frames) {
-  Noise noise;
-  if (samples.has_sd) {
-    for (const PointSample& at : samples.at) noise.sd.emplace_back(at.x_sd, at.y_sd);
-    return noise;
-  }
+/// Gives samples without sds those of their scatter, at the frames of the part: fit::PointNoise::dof.
+double estimate_sds(const CsvTable& table, const PointSamples& part, PointSamples& samples) {
   std::vector<std::int64_t> seen;
   std::vector<Eigen::Vector2d> positions;
+  double step = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < samples.at.size(); ++k)
-    if (samples.at[k].seen()) {
-      seen.push_back(frames[k]);
-      positions.push_back(samples.at[k].place());
+    if (const PointSample& at = samples.at[k]; at.seen()) {
+      seen.push_back(part.at[k].frame);
+      positions.emplace_back(at.x, at.y);
+      step = std::min(step, at.step);
     }
   const auto estimate = fit::point_noise(seen, positions);
   if (!estimate)
@@ -188,49 +173,50 @@ Noise noise_of(const CsvTable& table, const PointSamples& samples, const std::ve
         "{}: has no standard deviations, and with {} points that follow each other too few to estimate them; "
         "add the columns x_sd_mm and y_sd_mm",
         table.path().string(), positions.size());
-  noise.estimated = true;
   // Rounding is the least error there is.
-  noise.estimate = estimate->sd.cwiseMax(kUniform * samples.step);
-  noise.dof = estimate->dof;
-  noise.sd.assign(samples.at.size(), noise.estimate);
-  return noise;
+  const Eigen::Vector2d sd = estimate->sd.cwiseMax(kUniform * step);
+  for (PointSample& at : samples.at) {
+    at.x_sd = sd.x();
+    at.y_sd = sd.y();
+  }
+  return estimate->dof;
 }
 
 /// As `track` follows a part, y down, in the file's own unit: one pixel is one of it.
-vision::Track followed(const PartAndMark& points, bool up, const Clock& clock, const Noise& part,
-                       const std::optional<Noise>& mark, const TrackReading& reading) {
+vision::Track followed(const PartAndMark& points, bool up, const TrackReading& reading) {
   vision::Track track;
-  track.has_marker = mark.has_value();
+  track.has_marker = points.mark.has_value();
   const double down = up ? -1 : 1;
-  for (std::size_t k = 0; k < clock.frame.size(); ++k) {
-    if (reading.first_frame && clock.frame[k] < *reading.first_frame) continue;
-    if (reading.last_frame && clock.frame[k] > *reading.last_frame) continue;
+  for (std::size_t k = 0; k < points.part.at.size(); ++k) {
+    const PointSample& part = points.part.at[k];
+    if (reading.first_frame && part.frame < *reading.first_frame) continue;
+    if (reading.last_frame && part.frame > *reading.last_frame) continue;
     vision::TrackPoint& point = track.points.emplace_back();
-    point.frame = clock.frame[k];
-    point.time_s = clock.time[k];
+    point.frame = part.frame;
+    point.time_s = part.time;
     point.ncc = TrackRow::kNone;
-    if (const PointSample& at = points.part.at[k]; at.seen()) {
+    if (part.seen()) {
       point.status = vision::TrackStatus::ok;
-      point.x = at.x;
-      point.y = down * at.y;
-      point.sigma_x = part.sd[k].x();
-      point.sigma_y = part.sd[k].y();
+      point.x = part.x;
+      point.y = down * part.y;
+      point.sigma_x = part.x_sd;
+      point.sigma_y = part.y_sd;
     }
-    if (mark && points.mark->at[k].seen()) {
-      const PointSample& at = points.mark->at[k];
-      const double sd = mark->sd[k].norm() / std::sqrt(2.0);  // one for both axes
-      point.marker = vision::MarkerPoint{at.x, down * at.y, sd, TrackRow::kNone};
+    if (points.mark && points.mark->at[k].seen()) {
+      const PointSample& mark = points.mark->at[k];
+      const double sd = Eigen::Vector2d(mark.x_sd, mark.y_sd).norm() / std::sqrt(2.0);  // one for both axes
+      point.marker = vision::MarkerPoint{mark.x, down * mark.y, sd, TrackRow::kNone};
     }
   }
   return track;
 }
 
-std::string sd_text(const Noise& noise, const std::string& unit) {
-  if (!noise.estimated) return "sds as the file has them";
+std::string sd_text(const PointSamples& part, const std::string& unit) {
+  if (part.has_sd) return "sds as the file has them";
   return fmt::format(
       "sds of {:.2g} {} in x and {:.2g} {} in y from the scatter from point to point, which does not show "
       "errors slower than the frames",
-      noise.estimate.x(), unit, noise.estimate.y(), unit);
+      part.at.front().x_sd, unit, part.at.front().y_sd, unit);
 }
 
 }  // namespace
@@ -256,17 +242,15 @@ ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string t
                        points.mark->unit);
   if (points.part.unit != header_unit)
     throw InvalidInput("{}: its points are in different units", path.string());
-  if (points.part.frame.size() < 2)
+  if (points.part.at.size() < 2)
     throw InvalidInput("{}: holds fewer than two rows of numbers", path.string());
-  const Clock clock = clock_of(path, points.part, reading, columns.frame.has_value());
-  const Noise part = noise_of(table, points.part, clock.frame);
-  std::optional<Noise> mark;
-  if (points.mark) mark = noise_of(table, *points.mark, clock.frame);
+  const Clock clock = set_clock(path, points.part.at, columns, reading);
+  const double dof = points.part.has_sd ? 0 : estimate_sds(table, points.part, points.part);
+  if (points.mark && !points.mark->has_sd) estimate_sds(table, points.part, *points.mark);
 
   ForeignTrack track;
   const vision::PlaneGeometry geometry(vision::given_scale(scale.mm), vision::ScalePlane::platform, {});
-  track.rows = track_rows(followed(points, up, clock, part, mark, reading), geometry, reading.xi_axis_rad,
-                          scale.pixels);
+  track.rows = track_rows(followed(points, up, reading), geometry, reading.xi_axis_rad, scale.pixels);
   if (track.rows.rows.empty()) throw InvalidInput("{}: no row lies within `frames`", path.string());
   const bool of_platform = points.mark || reading.frame == "platform";
   const std::string read_as =
@@ -276,7 +260,7 @@ ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string t
                   points.mark   ? "; mark " + points.mark->name
                   : of_platform ? "; relative to the platform"
                                 : "; no mark: the positions hold the platform's motion",
-                  sd_text(part, scale.unit));
+                  sd_text(points.part, scale.unit));
   std::vector<std::string> warnings = {read_as};
   if (!clock.warning.empty()) warnings.push_back(clock.warning);
   const auto lost = std::ranges::count(track.rows.rows, vision::TrackStatus::lost, &TrackRow::status);
@@ -302,8 +286,8 @@ ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string t
                      {"ok", static_cast<std::int64_t>(track.rows.rows.size()) - lost},
                      {"lost", lost},
                      {"gate_passed", true},
-                     {"sd_from_scatter", part.estimated},
-                     {"sd_dof", part.dof},
+                     {"sd_from_scatter", !points.part.has_sd},
+                     {"sd_dof", dof},
                      {"warnings", warnings}};
   return track;
 }

@@ -97,8 +97,16 @@ class Line {
     return last_digit(text) * (text.find(':') == text.npos ? columns_.second : 1);
   }
 
-  PointSample sample(const PointColumns& point) const {
-    PointSample sample{number(point.x), number(point.y)};
+  /// `row`: its frame where the file numbers none.
+  PointSample sample(const PointColumns& point, std::int64_t row) const {
+    PointSample sample{columns_.frame ? frame() : row};
+    if (columns_.time) {
+      sample.time = time();
+      sample.time_step = time_step();
+    }
+    sample.x = number(point.x);
+    sample.y = number(point.y);
+    sample.step = std::max(last_digit(cell(point.x)), last_digit(cell(point.y)));
     const bool failed = columns_.no_sd_is_lost && !(number(*point.x_sd) > 0);
     if (std::isnan(sample.x) || std::isnan(sample.y) || failed) sample.x = sample.y = kNone;
     if (!point.x_sd) return sample;
@@ -108,9 +116,6 @@ class Line {
     }
     return sample;
   }
-  double step(const PointColumns& point) const {
-    return std::max(last_digit(cell(point.x)), last_digit(cell(point.y)));
-  }
 
  private:
   const CsvTable& table_;
@@ -118,49 +123,16 @@ class Line {
 };
 
 PointSamples samples_of(const PointColumns& point, std::string name) {
-  PointSamples samples;
-  samples.name = std::move(name);
-  samples.unit = point.unit;
-  samples.has_sd = point.x_sd.has_value();
-  return samples;
-}
-
-/// A point in one line of the file.
-struct Row {
-  std::int64_t frame = 0;
-  std::optional<double> time = {};
-  double time_step = 0, step = 0;
-  PointSample at = {};
-};
-
-Row read_row(const Line& line, const TrackColumns& columns, const PointColumns& point, std::int64_t row) {
-  Row read{columns.frame ? line.frame() : row};
-  if (columns.time) {
-    read.time = line.time();
-    read.time_step = line.time_step();
-  }
-  read.at = line.sample(point);
-  read.step = line.step(point);
-  return read;
-}
-
-void add(const Row& row, PointSamples& samples) {
-  samples.frame.push_back(row.frame);
-  if (row.time) {
-    samples.time.push_back(*row.time);
-    samples.time_step = std::min(samples.time_step, row.time_step);
-  }
-  samples.at.push_back(row.at);
-  if (row.at.seen()) samples.step = std::min(samples.step, row.step);
+  return {std::move(name), point.unit, point.x_sd.has_value()};
 }
 
 /// Frames and times must increase.
-void require_order(const CsvTable& table, const PointSamples& samples) {
-  const std::size_t n = samples.frame.size();
-  if (n < 2) return;
-  if (samples.frame[n - 1] <= samples.frame[n - 2])
+void require_order(const CsvTable& table, const std::vector<PointSample>& samples) {
+  if (samples.size() < 2) return;
+  const PointSample &last = samples.back(), &before = samples[samples.size() - 2];
+  if (last.frame <= before.frame)
     table.fail("its frame does not come after the one above; put the rows in the order of time");
-  if (!samples.time.empty() && !(samples.time[n - 1] > samples.time[n - 2]))
+  if (last.time <= before.time)
     table.fail("its time does not come after the one above; put the rows in the order of time");
 }
 
@@ -216,9 +188,9 @@ PartAndMark read_wide(CsvTable& table, const TrackColumns& columns, const TrackR
   if (mark) result.mark = samples_of(columns.points[*mark], columns.points[*mark].name);
   for (std::int64_t row = 0; table.next(); ++row) {
     const Line line(table, columns);
-    add(read_row(line, columns, columns.points[part], row), result.part);
-    require_order(table, result.part);
-    if (mark) add(read_row(line, columns, columns.points[*mark], row), *result.mark);
+    result.part.at.push_back(line.sample(columns.points[part], row));
+    require_order(table, result.part.at);
+    if (mark) result.mark->at.push_back(line.sample(columns.points[*mark], row));
   }
   return result;
 }
@@ -248,7 +220,7 @@ class Blocks {
 PartAndMark read_long(CsvTable& table, const TrackColumns& columns, const TrackReading& reading) {
   Blocks blocks;
   std::vector<std::string> names;
-  std::vector<std::map<std::int64_t, Row>> rows;  // of each particle, by frame
+  std::vector<std::map<std::int64_t, PointSample>> rows;  // of each particle, by frame
   const PointColumns& point = columns.points.front();
   while (table.next()) {
     const Line line(table, columns);
@@ -260,7 +232,7 @@ PartAndMark read_long(CsvTable& table, const TrackColumns& columns, const TrackR
       names.push_back(name);
       rows.emplace_back();
     }
-    const Row row = read_row(line, columns, point, std::ssize(rows[k]));
+    const PointSample row = line.sample(point, std::ssize(rows[k]));
     if (!rows[k].emplace(row.frame, row).second)
       table.fail(fmt::format("particle {} is in frame {} twice", name, row.frame));
   }
@@ -279,11 +251,11 @@ PartAndMark read_long(CsvTable& table, const TrackColumns& columns, const TrackR
   PartAndMark result{samples_of(point, names[part]), std::nullopt};
   if (mark) result.mark = samples_of(point, names[*mark]);
   for (const auto& [frame, row] : rows[part]) {
-    add(row, result.part);
-    require_order(table, result.part);
+    result.part.at.push_back(row);
+    require_order(table, result.part.at);
     if (!mark) continue;
     const auto other = rows[*mark].find(frame);
-    add(other == rows[*mark].end() ? Row{frame} : other->second, *result.mark);
+    result.mark->at.push_back(other == rows[*mark].end() ? PointSample{frame} : other->second);
   }
   return result;
 }

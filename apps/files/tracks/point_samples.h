@@ -1,7 +1,6 @@
 // One tracked point of another program's file, frame by frame, in the file's own unit.
 #pragma once
 
-#include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -12,21 +11,20 @@
 
 namespace tribotrack::apps {
 
-/// One row's; NaN where the point was not seen, and of the sds where the file has none.
+/// A point in one row of the file. NaN: a time where the file has none, a place where the point was not seen,
+/// sds where they are still to be estimated.
 struct PointSample {
-  double x = std::numeric_limits<double>::quiet_NaN(), y = x, x_sd = x, y_sd = x;
+  std::int64_t frame = 0;                                  ///< the file's, else its rows counted from 0
+  double time = std::numeric_limits<double>::quiet_NaN();  ///< s
+  double x = time, y = time, x_sd = time, y_sd = time;
+  double time_step = 0, step = 0;  ///< the last digits printed: of the time, s, and of x and y
   bool seen() const { return !std::isnan(x); }
-  Eigen::Vector2d place() const { return {x, y}; }
 };
 
 struct PointSamples {
   std::string name, unit;
-  std::vector<std::int64_t> frame;  ///< the file's, else its rows counted from 0
-  std::vector<double> time;         ///< s; empty where the file has no times
-  /// The last digits printed: of times, s, and of x and y.
-  double time_step = std::numeric_limits<double>::infinity(), step = time_step;
-  bool has_sd = false;
-  std::vector<PointSample> at;
+  bool has_sd = false;  ///< in the file
+  std::vector<PointSample> at = {};
 };
 
 /// The points asked for: the part, and the mark where one is named. A file with several points must be told
