@@ -21,23 +21,24 @@ const char* const kScopeLayouts =
 
 namespace {
 
-struct ScopeHeader {
-  std::string layout = "time and channels";
-  std::vector<std::string> names;         ///< "CH1", ...
-  std::vector<std::size_t> columns;       ///< of the channels
-  std::vector<double> volt;               ///< V to one of each channel's unit
-  std::optional<std::size_t> time;        ///< its column; empty: values alone
-  double second = 1;                      ///< s to one of the time's unit
-  std::optional<double> start, interval;  ///< s, as the settings have them
-  bool at_first_numbers = false;          ///< the table stands at the first row already
+struct Channel {
+  std::string name;  ///< "CH1", ...
+  std::size_t column = 0;
+  double volt = 1;  ///< V to one of its unit
+};
+
+/// Where a row holds what.
+struct Columns {
+  std::vector<Channel> channels;
+  std::optional<std::size_t> time = {};  ///< empty: values alone
+  double second = 1;                     ///< s to one of the time's unit
+  bool at_first_numbers = false;         ///< the table stands at the first row already
 };
 
 /// "CH2(V)" -> "CH2", "X(CH1)" -> "CH1", "Channel A" -> "Channel A", "2" -> "CH2", "Volt" -> by its column.
 std::string channel_name(std::string_view cell, std::size_t column) {
-  const auto at = cell.find("CH");
-  if (at != std::string_view::npos) {
-    auto end = at + 2;
-    while (end < cell.size() && cell[end] >= '0' && cell[end] <= '9') ++end;
+  if (const auto at = cell.find("CH"); at != cell.npos) {
+    const auto end = std::min(cell.find_first_not_of("0123456789", at + 2), cell.size());
     if (end > at + 2) return std::string(cell.substr(at, end - at));
   }
   if (!cell.empty() && cell.find_first_not_of("0123456789") == std::string_view::npos)
@@ -56,10 +57,9 @@ bool is_digital(const std::string& name) {
 
 /// A unit alone ("Second", "in s") names the time in the first column only: below, it may be a setting.
 bool means_time(const Heading& heading, std::size_t column) {
+  constexpr std::array kTimes = {"time", "t", "x-axis", "zeit", "temps", "tiempo", "tempo"};
   const std::string& quantity = heading.quantity;
-  if (quantity == "time" || quantity == "t" || quantity == "x-axis" || quantity == "zeit" ||
-      quantity == "temps" || quantity == "tiempo" || quantity == "tempo")
-    return true;
+  if (std::ranges::find(kTimes, quantity) != kTimes.end()) return true;
   return column == 0 && (quantity == "s" || (quantity == "in" && heading.unit == "s"));
 }
 
@@ -94,132 +94,112 @@ int known_in(const Cells& cells) {
   return times > 0 && names > 1 ? names : 0;
 }
 
+/// What a line above the numbers sets under this name, column by column.
+Cells setting(const CsvTable& table, const char* name) {
+  Cells values;
+  for (const Cells& cells : table.above())
+    if (lower(cells.front()) == name) values.assign(cells.begin() + 1, cells.end());
+  return values;
+}
+
+void add_channel(const CsvTable& table, std::size_t column, std::vector<Channel>& channels) {
+  const std::string name = channel_name(table.header()[column], column);
+  if (name.empty() || is_digital(name)) return;
+  channels.push_back({name, column, unit_in(table.heading(column), Dimension::voltage).value_or(1)});
+}
+
+/// Without a header: settings in three columns beside the numbers, from the first line on. Those of later
+/// lines are not needed: time and voltage are in s and V.
+Columns tektronix_tds(CsvTable& table, ScopeFile& file) {
+  constexpr std::size_t kTime = 3, kValue = 4;
+  if (!table.next() || lower(table.cells().front()) != "record length" || table.filled() <= kValue)
+    throw InvalidInput(
+        "{}: is not a known oscilloscope layout: no line above numbers names a time and a channel: {}; {}",
+        table.path().string(), table.holds(), kScopeLayouts);
+  file.layout = "Tektronix TDS";
+  return {{{"CH1", kValue}}, kTime, 1, true};
+}
+
+/// Layouts without a time column.
+Columns by_settings(CsvTable& table, ScopeFile& file) {
+  const Cells& names = table.header();
+  const bool in_row = names.front() == "X";
+  file.layout = in_row ? "Rigol DS1000Z" : "Rigol MSO5000";
+  Columns columns;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (names[k].starts_with("CH")) add_channel(table, k, columns.channels);
+  const std::size_t channels = columns.channels.size();
+  if (channels == 0)
+    table.fail(
+        fmt::format("is not a known oscilloscope layout: it names no channel (CH1, ...); {}", kScopeLayouts));
+  if (in_row) {
+    if (!table.next() || table.filled() < channels + 3)
+      table.fail("the second line must hold Sequence, the channels' units, start and increment");
+    file.start_s = table.number(table.cells()[channels + 1]);
+    file.increment_s = table.number(table.cells()[channels + 2]);
+  } else {
+    file.start_s = seconds_in(table, stated(names, "t0")).value_or(0);
+    file.increment_s = seconds_in(table, stated(names, "tInc")).value_or(0);
+  }
+  return columns;
+}
+
+Columns by_time(const CsvTable& table, ScopeFile& file) {
+  Columns columns;
+  std::size_t time = 0;
+  for (std::size_t k = table.header().size(); k-- > 0;)
+    if (means_time(table.heading(k), k)) time = k;
+  columns.time = time;
+  columns.second = unit_in(table.heading(time), Dimension::time).value_or(1);
+  std::vector<Channel>& channels = columns.channels;
+  for (std::size_t k = 0; k < table.header().size(); ++k)
+    if (k != time) add_channel(table, k, channels);
+  if (channels.empty())
+    table.fail(fmt::format("names a time and no channel: {}; {}", table.holds(), kScopeLayouts));
+  // Siglent names its channels `Volt` or `Value`, and says above which they are.
+  const Cells sources = setting(table, "source"), units = setting(table, "vertical units");
+  for (std::size_t k = 0; k < channels.size() && sources.size() >= channels.size(); ++k)
+    if (!sources[k].empty()) channels[k].name = channel_name(sources[k], k + 1);
+  // "V" or "CH1:mV" among the settings.
+  for (std::size_t k = 0; k < channels.size() && k < units.size(); ++k)
+    channels[k].volt = unit_in(heading_of(units[k].substr(units[k].find(':') + 1)), Dimension::voltage)
+                           .value_or(channels[k].volt);
+  if (const Cells interval = setting(table, "sample interval"); !interval.empty())  // or "Analog:5.0E-05"
+    file.increment_s = table.number_in(interval[0].substr(interval[0].find(':') + 1)).value_or(0);
+  return columns;
+}
+
 /// Reads the lines above the numbers, and rows of settings among the first.
-class HeaderReader {
- public:
-  explicit HeaderReader(CsvTable& table) : table_(table) {}
-
-  ScopeHeader read() {
-    for (const Cells& cells : table_.above()) look_at_settings(cells);
-    if (table_.header().empty()) {
-      if (tektronix_tds()) return header_;
-      throw InvalidInput(
-          "{}: is not a known oscilloscope layout: no line above numbers names a time and a channel: {}; {}",
-          table_.path().string(), table_.holds(), kScopeLayouts);
-    }
-    if (!by_settings()) by_time();
-    return header_;
-  }
-
- private:
-  /// Layouts without a time column.
-  bool by_settings() {
-    const Cells& names = table_.header();
-    const bool in_row = names.front() == "X";
-    if (!in_row && stated(names, "tInc").empty()) return false;
-    header_.layout = in_row ? "Rigol DS1000Z" : "Rigol MSO5000";
-    for (std::size_t k = 0; k < names.size(); ++k)
-      if (names[k].starts_with("CH")) add_channel(k);
-    if (header_.names.empty())
-      table_.fail(fmt::format("is not a known oscilloscope layout: it names no channel (CH1, ...); {}",
-                              kScopeLayouts));
-    if (in_row) {
-      const std::size_t channels = header_.names.size();
-      if (!table_.next() || table_.filled() < channels + 3)
-        table_.fail("the second line must hold Sequence, the channels' units, start and increment");
-      header_.start = table_.number(table_.cells()[channels + 1]);
-      header_.interval = table_.number(table_.cells()[channels + 2]);
-    } else {
-      header_.start = seconds_in(table_, stated(names, "t0")).value_or(0);
-      header_.interval = seconds_in(table_, stated(names, "tInc"));
-    }
-    return true;
-  }
-
-  /// Settings in three columns beside the numbers, from the first line on. Those of later lines are not
-  /// needed: time and voltage are in s and V.
-  bool tektronix_tds() {
-    constexpr std::size_t kTime = 3, kValue = 4;
-    if (!table_.next() || lower(table_.cells().front()) != "record length" || table_.filled() <= kValue)
-      return false;
-    header_.layout = "Tektronix TDS";
-    header_.time = kTime;
-    header_.names = {"CH1"};
-    header_.columns = {kValue};
-    header_.volt = {1};
-    header_.at_first_numbers = true;
-    return true;
-  }
-
-  void by_time() {
-    const Cells& names = table_.header();
-    for (std::size_t k = 0; k < names.size() && !header_.time; ++k)
-      if (means_time(table_.heading(k), k)) header_.time = k;
-    header_.second = unit_in(table_.heading(*header_.time), Dimension::time).value_or(1);
-    for (std::size_t k = 0; k < names.size(); ++k)
-      if (k != header_.time) add_channel(k);
-    // Siglent names its channels `Volt` or `Value`, and says above which they are.
-    for (std::size_t k = 0; k < header_.names.size() && sources_.size() >= header_.names.size(); ++k)
-      if (!sources_[k].empty()) header_.names[k] = channel_name(sources_[k], k + 1);
-    // "V" or "CH1:mV" among the settings.
-    for (std::size_t k = 0; k < header_.volt.size() && k < units_.size(); ++k)
-      header_.volt[k] = unit_in(heading_of(units_[k].substr(units_[k].find(':') + 1)), Dimension::voltage)
-                            .value_or(header_.volt[k]);
-    if (header_.names.empty())
-      table_.fail(fmt::format("names a time and no channel: {}; {}", table_.holds(), kScopeLayouts));
-  }
-
-  void add_channel(std::size_t column) {
-    const std::string name = channel_name(table_.header()[column], column);
-    if (name.empty() || is_digital(name)) return;
-    header_.names.push_back(name);
-    header_.columns.push_back(column);
-    header_.volt.push_back(unit_in(table_.heading(column), Dimension::voltage).value_or(1));
-  }
-
-  void look_at_settings(const Cells& cells) {
-    const std::string key = lower(cells.front());
-    if (key == "source") sources_.assign(cells.begin() + 1, cells.end());
-    if (key == "vertical units") units_.assign(cells.begin() + 1, cells.end());
-    if (key == "sample interval" && cells.size() > 1)  // or "Analog:5.0E-05"
-      header_.interval = table_.number_in(cells[1].substr(cells[1].find(':') + 1));
-  }
-
-  CsvTable& table_;
-  ScopeHeader header_;
-  std::vector<std::string_view> sources_, units_;
-};
+Columns read_header(CsvTable& table, ScopeFile& file) {
+  const Cells& names = table.header();
+  if (names.empty()) return tektronix_tds(table, file);
+  return names.front() == "X" || !stated(names, "tInc").empty() ? by_settings(table, file)
+                                                                : by_time(table, file);
+}
 
 constexpr std::size_t kFewestSamples = 100;
 
-/// PicoScope writes it for what lies beyond the channel's range.
-bool is_beyond_range(std::string_view cell) {
-  return cell.find("\xe2\x88\x9e") != std::string_view::npos ||
-         cell.find("nfinity") != std::string_view::npos;
-}
-
 double voltage(const CsvTable& table, std::string_view cell) {
-  if (is_beyond_range(cell))
+  // As PicoScope writes it.
+  if (cell.find("\xe2\x88\x9e") != cell.npos || cell.find("nfinity") != cell.npos)
     table.fail(cell, "the signal was beyond the channel's range; record it again with a larger one");
   return table.number(cell);
 }
 
 /// Appends the line's values. A line without all of them may stand before the first whole one, as Keysight
 /// writes it, and after the last: false.
-bool append(const CsvTable& table, const ScopeHeader& header, ScopeFile& file) {
-  const auto& cells = table.cells();
-  std::size_t there = 0, filled = 0;
-  for (const std::size_t column : header.columns) {
-    there += column < cells.size();
-    filled += column < cells.size() && !cells[column].empty();
+bool append(const CsvTable& table, const Columns& columns, ScopeFile& file) {
+  const Cells& cells = table.cells();
+  const std::size_t last = columns.channels.back().column;
+  const auto empty = std::ranges::count_if(columns.channels, [&](const Channel& channel) {
+    return channel.column >= cells.size() || cells[channel.column].empty();
+  });
+  if (empty > 0) {
+    if (columns.time && last < cells.size() && empty == std::ssize(columns.channels)) return false;
+    table.fail(fmt::format("has {} columns where {} belong: {}", table.filled(), last + 1, table.holds()));
   }
-  if (filled < header.columns.size()) {
-    if (header.time && there == header.columns.size() && filled == 0) return false;
-    table.fail(fmt::format("has {} columns where {} belong: {}", table.filled(), header.columns.back() + 1,
-                           table.holds()));
-  }
-  for (std::size_t c = 0; c < header.columns.size(); ++c)
-    file.channels[c].push_back(header.volt[c] * voltage(table, cells[header.columns[c]]));
+  for (std::size_t c = 0; c < columns.channels.size(); ++c)
+    file.channels[c].push_back(columns.channels[c].volt * voltage(table, cells[columns.channels[c].column]));
   return true;
 }
 
@@ -248,14 +228,13 @@ void require_even(const CsvTable& table, const std::vector<double>& times, doubl
 
 /// Start and increment from the printed times; the interval of the settings has all digits, where it is that
 /// of these samples.
-void settle_times(const CsvTable& table, const ScopeHeader& header, const std::vector<double>& times,
-                  ScopeFile& file) {
+void settle_times(const CsvTable& table, const std::vector<double>& times, ScopeFile& file) {
   constexpr double kAgrees = 1e-3;
   if (times.size() < 2) return;
+  const double increment = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
   file.start_s = times.front();
-  file.increment_s = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
-  if (header.interval && *header.interval > 0 && std::abs(file.increment_s / *header.interval - 1) < kAgrees)
-    file.increment_s = *header.interval;
+  if (!(file.increment_s > 0 && std::abs(increment / file.increment_s - 1) < kAgrees))
+    file.increment_s = increment;
   require_even(table, times, file.start_s, file.increment_s);
 }
 
@@ -273,21 +252,18 @@ ScopeFile read_scope_file(const std::filesystem::path& path) {
   ScopeFile file;
   file.input = hashed_input(path, text);
   CsvTable table(path, std::move(text), known_in);
-  const ScopeHeader header = HeaderReader(table).read();
-  file.layout = header.layout;
-  file.names = header.names;
-  file.channels.resize(header.names.size());
-  if (header.start) file.start_s = *header.start;
-  if (header.interval) file.increment_s = *header.interval;
+  const Columns columns = read_header(table, file);
+  for (const Channel& channel : columns.channels) file.names.push_back(channel.name);
+  file.channels.resize(file.names.size());
   std::vector<double> times;
   bool ended = false;
-  for (bool more = header.at_first_numbers || table.next(); more; more = table.next()) {
-    const bool whole = append(table, header, file);
+  for (bool more = columns.at_first_numbers || table.next(); more; more = table.next()) {
+    const bool whole = append(table, columns, file);
     if (whole && ended) table.fail("follows a line without values; export one gapless trace");
     ended = !whole && !file.channels.front().empty();
-    if (whole && header.time) times.push_back(header.second * table.number(table.cells()[*header.time]));
+    if (whole && columns.time) times.push_back(columns.second * table.number(table.cells()[*columns.time]));
   }
-  if (header.time) settle_times(table, header, times, file);
+  if (columns.time) settle_times(table, times, file);
   if (file.channels.front().size() < kFewestSamples)
     table.fail(fmt::format("the trace has {} samples; at least {} are needed", file.channels.front().size(),
                            kFewestSamples));
@@ -296,17 +272,15 @@ ScopeFile read_scope_file(const std::filesystem::path& path) {
 }
 
 void add_channels(const ScopeFile& second, ScopeFile& first) {
-  const auto samples = [](const ScopeFile& file) {
-    return file.channels.empty() ? std::size_t{0} : file.channels.front().size();
-  };
-  const double apart = std::abs(second.start_s - first.start_s);
-  if (samples(second) != samples(first) || apart > 0.5 * first.increment_s ||
-      std::abs(second.increment_s / first.increment_s - 1) * static_cast<double>(samples(first)) > 0.5)
+  const std::size_t samples = first.channels.front().size(), others = second.channels.front().size();
+  const double apart = std::abs(second.start_s - first.start_s),
+               drift = std::abs(second.increment_s / first.increment_s - 1) * static_cast<double>(samples);
+  if (others != samples || apart > 0.5 * first.increment_s || drift > 0.5)
     throw InvalidInput(
         "{}: is not of the same trace as {}: {} samples from {:.6g} s every {:.6g} s, and {} from {:.6g} s "
         "every {:.6g} s; name the files of one acquisition",
-        second.input.path.string(), first.input.path.string(), samples(second), second.start_s,
-        second.increment_s, samples(first), first.start_s, first.increment_s);
+        second.input.path.string(), first.input.path.string(), others, second.start_s, second.increment_s,
+        samples, first.start_s, first.increment_s);
   first.names.insert(first.names.end(), second.names.begin(), second.names.end());
   first.channels.insert(first.channels.end(), second.channels.begin(), second.channels.end());
 }
