@@ -42,8 +42,8 @@ Forecaster::Forecaster(const Residuals& residuals, const Eigen::VectorXd& values
   }
   const Unknowns& unknowns = residuals.unknowns();
   for (const SummaryRun& run : runs)
-    most_steps_ = std::max(
-        most_steps_, steps_of(unknowns.apply_summary(values, run, false).scenario, run.measured.duration));
+    most_steps_ = std::max(most_steps_,
+                           steps_of(unknowns.apply_summary(values, run, {}).scenario, run.measured.duration));
   if (track_)
     most_steps_ = std::max(
         most_steps_, steps_of(unknowns.apply_trajectory(values, *track_, false).scenario, base_.duration));

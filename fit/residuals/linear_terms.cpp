@@ -203,24 +203,14 @@ std::vector<Eigen::Index> linear_unknowns(const Unknowns& unknowns, bool linear)
 ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen::VectorXd& values,
                                            const SummaryRun& run, const std::vector<Eigen::Index>& by,
                                            double tolerance) {
-  AppliedScenario applied = unknowns.apply_summary(values, run, !by.empty());
-  // Each of the model's parameters costs time: those that none of these needs are left out.
-  std::vector<model::Parameter> wanted;
-  Eigen::MatrixXd chain(0, static_cast<Eigen::Index>(by.size()));
-  for (Eigen::Index i = 0; i < applied.chain.rows(); ++i) {
-    const Eigen::RowVectorXd row = applied.chain.row(i)(by);
-    if (row.isZero(0)) continue;
-    wanted.push_back(applied.wanted[static_cast<std::size_t>(i)]);
-    chain.conservativeResize(chain.rows() + 1, Eigen::NoChange);
-    chain.bottomRows(1) = row;
-  }
+  const AppliedScenario applied = unknowns.apply_summary(values, run, by);
+  const std::vector<model::Parameter>& wanted = applied.wanted;
   const EndPoint end = end_point(applied.scenario, wanted, tolerance, most_steps(unknowns, applied.scenario));
   // Dividing the model keeps the covariance, and with it the minimum, free of the scale.
   ModelledDisplacement result{end.position * applied.stretch / applied.scale, {}};
   if (by.empty()) return result;
   result.jacobian.setZero(2, unknowns.common());
-  if (!wanted.empty())
-    result.jacobian(Eigen::all, by) = (end.jacobian * chain) * (applied.stretch / applied.scale);
+  if (!wanted.empty()) result.jacobian = (end.jacobian * applied.chain) * (applied.stretch / applied.scale);
   for (std::size_t i = 0; i < wanted.size(); ++i)
     for (const model::Parameter mu : {model::Parameter::mu1, model::Parameter::mu2})
       if (wanted[i] == mu)
@@ -246,14 +236,12 @@ std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen
   const std::size_t summaries = problem.summary_runs.size();
   terms.runs_.resize(summaries);
   terms.tracks_.resize(problem.trajectory_runs.size());
-  std::vector<Eigen::Index> all;
-  for (Eigen::Index i = 0; i < unknowns.common(); ++i) all.push_back(i);
   const auto of_displacement = [&](std::size_t i) {
     const SummaryRun& data = problem.summary_runs[i];
     Run& run = terms.runs_[i];
-    run.here = modelled_displacement(unknowns, values, data, all, tolerance);
+    run.here = modelled_displacement(unknowns, values, data, unknowns.shared(), tolerance);
     if (terms.laws_.empty()) return;
-    const AppliedScenario applied = unknowns.apply_summary(values, data, true);
+    const AppliedScenario applied = unknowns.apply_summary(values, data, unknowns.shared());
     const AddedByLaws there =
         added_by_laws(unknowns, values, applied, {applied.scenario.end_time()}, run.here.by_mu, terms.laws_);
     run.by_laws = there.added;

@@ -89,7 +89,7 @@ Residuals::Residuals(const Unknowns& unknowns, int threads)
     : problem_(&unknowns.problem()), unknowns_(&unknowns), threads_(threads) {
   for (Eigen::Index i = 0; i < unknowns.common(); ++i)
     if (const auto prior = unknowns.prior(i)) priors_.emplace_back(i, *prior);
-  for (Eigen::Index i = 0; i < unknowns.common(); ++i) differentiated_.push_back(i);
+  differentiated_ = unknowns.shared();
   own_.assign(problem_->summary_runs.size(), Eigen::Matrix2d::Zero());
   for (const auto& run : problem_->trajectory_runs) {
     first_point_.push_back(run.free_slide ? guess_free_slide(run).first : 0);
@@ -243,7 +243,7 @@ void Residuals::set_own_errors(const Eigen::VectorXd& values) {
     const SummaryRun& run = problem_->summary_runs[i];
     own_[i].setZero();
     if (run.own.parameters.empty()) continue;
-    const AppliedScenario applied = unknowns_->apply_summary(values, run, false);
+    const AppliedScenario applied = unknowns_->apply_summary(values, run, {});
     try {
       const Eigen::Matrix2Xd moved = end_point(applied.scenario, run.own.parameters, tolerance_).jacobian *
                                      (applied.stretch / applied.scale);

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unsupported/Eigen/AutoDiff>
 
 #include "fit/residuals/free_slide.h"
 #include "fit/tools/dense.h"
 
 namespace tribotrack::fit::internal {
+
+using model::Parameter;
+
 namespace {
 
 /// Of the optimiser's axis, where that is not logarithmic.
@@ -16,30 +20,131 @@ double unit_of(FitParameter parameter, double w, double threshold) {
   return facts(parameter).sort == Sort::tilt ? 0.01 : 1;
 }
 
-class Chain {
+const std::vector<Eigen::Index> kNone;
+
+/// A number with its derivatives by the unknowns of a run: those that all runs share, then the run's own.
+using Number = Eigen::AutoDiffScalar<Eigen::VectorXd>;
+
+/// The parameters of a run's scenario as its unknowns make them, with their derivatives.
+class Setting {
  public:
-  explicit Chain(AppliedScenario& applied) : applied_(applied) {}
-  void add(model::Parameter parameter, std::optional<Eigen::Index> unknown, double derivative) {
-    if (!unknown || derivative == 0) return;
-    auto& wanted = applied_.wanted;
-    const auto place = std::find(wanted.begin(), wanted.end(), parameter);
-    const auto row = place - wanted.begin();
-    if (place == wanted.end()) {
-      wanted.push_back(parameter);
-      applied_.chain.conservativeResize(row + 1, Eigen::NoChange);
-      applied_.chain.row(row).setZero();
-    }
-    applied_.chain(row, *unknown) += derivative;
+  /// `own`: the unknowns of the run alone. Derivatives are by these and by those of the others that `by`
+  /// lists, if it lists any.
+  Setting(const Unknowns& unknowns, const Eigen::VectorXd& values, const model::Scenario& base, Range own,
+          const std::vector<Eigen::Index>& by)
+      : scenario(base), unknowns_(unknowns), values_(values), own_(own), by_(by) {
+    constexpr auto kParameters = static_cast<Eigen::Index>(Parameter::viscous) + 1;
+    chain_.setZero(kParameters, by.empty() ? 0 : unknowns.common() + own.count);
   }
-  /// What there is of a parameter, times a factor.
-  void scale(model::Parameter parameter, double factor) {
-    const auto place = std::ranges::find(applied_.wanted, parameter);
-    if (place != applied_.wanted.end()) applied_.chain.row(place - applied_.wanted.begin()) *= factor;
+
+  model::Scenario scenario;
+  Number operator[](Parameter parameter) const {
+    return {scenario.get(parameter), chain_.row(static_cast<Eigen::Index>(parameter))};
+  }
+  void set(Parameter parameter, const Number& number) {
+    scenario.set(parameter, number.value());
+    chain_.row(static_cast<Eigen::Index>(parameter)) = number.derivatives();
+  }
+  void add(Parameter parameter, const Number& more) { set(parameter, (*this)[parameter] + more); }
+  /// What is given, where it is fitted or fixed.
+  void replace(Parameter given, FitParameter by) {
+    if (unknowns_.is_known(by)) set(given, of(by));
+  }
+
+  Number constant(double value) const { return {value, Eigen::VectorXd::Zero(chain_.cols())}; }
+  /// Fitted, fixed, or as given.
+  Number of(FitParameter parameter) const {
+    Number number = constant(unknowns_.value_of(parameter, values_));
+    if (const auto i = unknowns_.find(parameter); i && std::ranges::count(by_, *i) > 0)
+      number.derivatives()(*i) = 1;
+    return number;
+  }
+  /// Of the run alone.
+  Number own(Eigen::Index unknown) const {
+    Number number = constant(values_(unknown));
+    if (!by_.empty()) number.derivatives()(unknowns_.common() + unknown - own_.first) = 1;
+    return number;
+  }
+
+  /// Each of the model's parameters costs time: those that nothing moves, or that move nothing, are left out.
+  AppliedScenario applied() const {
+    AppliedScenario result;
+    result.scenario = scenario;
+    result.scale = unknowns_.value_of(FitParameter::scale, values_);
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index k = 0; k < chain_.rows(); ++k) {
+      const auto parameter = static_cast<Parameter>(k);
+      if (chain_.row(k).isZero(0) || moves_nothing(parameter)) continue;
+      result.wanted.push_back(parameter);
+      rows.push_back(k);
+    }
+    result.chain = chain_(rows, Eigen::all);
+    return result;
   }
 
  private:
-  AppliedScenario& applied_;
+  bool moves_nothing(Parameter parameter) const {
+    const bool of_pulses = parameter == Parameter::mu2 || parameter == Parameter::lag;
+    return (of_pulses && !(scenario.friction.pulse_width > 0)) ||
+           (parameter == Parameter::phase_shift && !(scenario.drive.amplitude_y > 0));
+  }
+
+  const Unknowns& unknowns_;
+  const Eigen::VectorXd& values_;
+  Range own_;
+  const std::vector<Eigen::Index>& by_;
+  Eigen::MatrixXd chain_;  ///< of every parameter, in the order of the enumeration
 };
+
+/// By what all runs share.
+void apply_shared(const Reference& reference, bool amplitude_from_track, Setting& run) {
+  const model::Scenario base = run.scenario;
+  // Amplitude and frequency are those of the first driven run; the others keep their ratio to it.
+  Number amplitude = run.constant(1);
+  if (reference.amplitude > 0) amplitude = run.of(FitParameter::amplitude) / reference.amplitude;
+  if (amplitude_from_track) amplitude *= run.of(FitParameter::scale);
+  // Each takes a half of the ratio: measured alike, mean and ratio are not correlated.
+  const Number root = sqrt(run.of(FitParameter::amplitude_ratio));
+  run.set(Parameter::amplitude, amplitude / root * base.drive.amplitude);
+  run.set(Parameter::amplitude_y, amplitude * root * base.drive.amplitude_y);
+  const double frequency_ratio = base.drive.angular_frequency / reference.angular_frequency;
+  const Number w = run.of(FitParameter::angular_frequency) * frequency_ratio;
+  run.set(Parameter::angular_frequency, w);
+
+  run.set(Parameter::mu1, run.of(FitParameter::mu1));
+  run.set(Parameter::mu2, run.of(FitParameter::mu2));
+  // Along an open profile mu goes to infinity: a part that rests does so at any greater one as well.
+  constexpr double kRestsUnderAnyDrive = 1e9;
+  model::Friction& friction = run.scenario.friction;
+  friction.nominal = std::min(friction.nominal, kRestsUnderAnyDrive);
+  friction.reduced = std::min(friction.reduced, kRestsUnderAnyDrive);
+  run.set(Parameter::lag, run.of(FitParameter::lag) + w * run.of(FitParameter::delay) +
+                              run.of(FitParameter::phase_reference));
+  run.add(Parameter::phase_shift, run.of(FitParameter::phase_shift));
+  if (base.start == model::Start::rest && reference.amplitude > 0)
+    run.add(Parameter::start_phase, run.of(FitParameter::start_phase));
+  run.replace(Parameter::tilt_x, FitParameter::tilt_x);
+  run.replace(Parameter::tilt_y, FitParameter::tilt_y);
+  run.replace(Parameter::gravity, FitParameter::gravity);
+}
+
+/// mu1 and mu2 as the width of the gate, so much `wider` than usual, and the course of the campaign change
+/// them. Exponentials: friction is never negative.
+void change_friction(double wider, double course, Setting& run) {
+  const Number worn = exp(run.of(FitParameter::wear) * course);
+  run.set(Parameter::mu1, run[Parameter::mu1] * worn);
+  run.set(Parameter::mu2, run[Parameter::mu2] * worn * exp(run.of(FitParameter::mu2_width) * wider));
+}
+
+/// A part on a plane tilted by theta moves as one on a level platform that is pressed with g cos(theta) and
+/// pulled with g sin(theta) = g cos(theta) tan(theta) downhill. That tilt stands for the platform's.
+void lean(const TrajectoryRun& slide, Setting& run) {
+  Number theta = run.of(FitParameter::slope);
+  theta += std::abs(slide.slope);
+  run.set(Parameter::gravity, run[Parameter::gravity] * cos(theta));
+  run.set(Parameter::tilt_x, asin(tan(theta) * slide.downhill.x()));
+  run.set(Parameter::tilt_y, asin(tan(theta) * slide.downhill.y()));
+}
 
 }  // namespace
 
@@ -55,6 +160,7 @@ Unknowns::Unknowns(const Problem& problem)
 
   for (const Condition& condition : problem.conditions)
     if (condition.sd > 0 && !find(condition.quantity)) common_.push_back(condition.quantity);
+  for (Eigen::Index i = 0; i < common(); ++i) shared_.push_back(i);
   const double threshold = sliding_threshold().value_or(0.2);
   for (const auto parameter : common_)
     transforms_.emplace_back(facts(parameter).transform,
@@ -214,201 +320,73 @@ std::optional<Prior> Unknowns::prior(Eigen::Index i) const {
 
 AppliedScenario Unknowns::apply(const Eigen::VectorXd& values, const model::Scenario& base,
                                 bool amplitude_from_track, bool derivatives) const {
-  AppliedScenario result;
-  result.scenario = base;
-  result.chain.resize(0, common());
-  auto& drive = result.scenario.drive;
-  auto& friction = result.scenario.friction;
-  result.scale = value_of(FitParameter::scale, values);
-
-  // Amplitude and frequency are those of the first driven run; the others keep their ratio to it.
-  const double amplitude_factor =
-      reference_.amplitude > 0 ? value_of(FitParameter::amplitude, values) / reference_.amplitude : 1;
-  const double picture = amplitude_from_track ? result.scale : 1;
-  const double ratio = value_of(FitParameter::amplitude_ratio, values);
-  // Each takes a half of it: measured alike, mean and ratio are not correlated.
-  const double along_x = 1 / std::sqrt(ratio), along_y = std::sqrt(ratio);
-  drive.amplitude *= amplitude_factor * picture * along_x;
-  drive.amplitude_y *= amplitude_factor * picture * along_y;
-  const double frequency_ratio = base.drive.angular_frequency / reference_.angular_frequency;
-  drive.angular_frequency = value_of(FitParameter::angular_frequency, values) * frequency_ratio;
-
-  const double delay = value_of(FitParameter::delay, values);
-  // Along an open profile mu goes to infinity: a part that rests does so at any greater one as well.
-  constexpr double kRestsUnderAnyDrive = 1e9;
-  friction.nominal = std::min(value_of(FitParameter::mu1, values), kRestsUnderAnyDrive);
-  friction.reduced = std::min(value_of(FitParameter::mu2, values), kRestsUnderAnyDrive);
-  friction.lag = value_of(FitParameter::lag, values) + drive.angular_frequency * delay +
-                 value_of(FitParameter::phase_reference, values);
-  drive.phase_shift += value_of(FitParameter::phase_shift, values);
-  const bool from_rest = base.start == model::Start::rest && reference_.amplitude > 0;
-  if (from_rest) result.scenario.start_phase += value_of(FitParameter::start_phase, values);
-  const auto replace = [&](FitParameter parameter, double& given) {
-    if (find(parameter) || problem_->fixed.count(parameter)) given = value_of(parameter, values);
-  };
-  replace(FitParameter::tilt_x, drive.tilt_x);
-  replace(FitParameter::tilt_y, drive.tilt_y);
-  replace(FitParameter::gravity, drive.gravity);
-  if (!derivatives) return result;
-
-  Chain chain(result);
-  chain.add(model::Parameter::mu1, find(FitParameter::mu1), 1);
-  if (friction.pulse_width > 0) {
-    chain.add(model::Parameter::mu2, find(FitParameter::mu2), 1);
-    chain.add(model::Parameter::lag, find(FitParameter::lag), 1);
-    chain.add(model::Parameter::lag, find(FitParameter::phase_reference), 1);
-    chain.add(model::Parameter::lag, find(FitParameter::delay), drive.angular_frequency);
-    chain.add(model::Parameter::lag, find(FitParameter::angular_frequency), delay * frequency_ratio);
-  }
-  const auto by_amplitude = [&](model::Parameter parameter, double own) {
-    if (reference_.amplitude > 0)
-      chain.add(parameter, find(FitParameter::amplitude), own * picture / reference_.amplitude);
-    if (amplitude_from_track) chain.add(parameter, find(FitParameter::scale), own * amplitude_factor);
-  };
-  by_amplitude(model::Parameter::amplitude, base.drive.amplitude * along_x);
-  by_amplitude(model::Parameter::amplitude_y, base.drive.amplitude_y * along_y);
-  const auto amplitudes = find(FitParameter::amplitude_ratio);
-  chain.add(model::Parameter::amplitude, amplitudes, -0.5 * drive.amplitude / ratio);
-  chain.add(model::Parameter::amplitude_y, amplitudes, 0.5 * drive.amplitude_y / ratio);
-  if (base.drive.amplitude_y > 0)
-    chain.add(model::Parameter::phase_shift, find(FitParameter::phase_shift), 1);
-  if (from_rest) chain.add(model::Parameter::start_phase, find(FitParameter::start_phase), 1);
-  chain.add(model::Parameter::gravity, find(FitParameter::gravity), 1);
-  chain.add(model::Parameter::angular_frequency, find(FitParameter::angular_frequency), frequency_ratio);
-  chain.add(model::Parameter::tilt_x, find(FitParameter::tilt_x), 1);
-  chain.add(model::Parameter::tilt_y, find(FitParameter::tilt_y), 1);
-  return result;
+  Setting run(*this, values, base, {}, derivatives ? shared_ : kNone);
+  apply_shared(reference_, amplitude_from_track, run);
+  return run.applied();
 }
 
-AppliedScenario Unknowns::apply_summary(const Eigen::VectorXd& values, const SummaryRun& run,
-                                        bool derivatives) const {
-  const bool follows =
-      run.measured.given_as_velocity &&
-      (find(FitParameter::angular_frequency) || problem_->fixed.count(FitParameter::angular_frequency));
-  model::Scenario base = run.scenario;
-  if (run.measured.duration > 0) base.duration = follows ? 0 : run.measured.duration;
-  AppliedScenario result = apply(values, base, run.amplitude_from_track, derivatives);
-  change_friction(values, run.course, derivatives, result);
+AppliedScenario Unknowns::apply_summary(const Eigen::VectorXd& values, const SummaryRun& data,
+                                        const std::vector<Eigen::Index>& by) const {
+  const bool follows = data.measured.given_as_velocity && is_known(FitParameter::angular_frequency);
+  model::Scenario base = data.scenario;
+  if (data.measured.duration > 0) base.duration = follows ? 0 : data.measured.duration;
+  Setting run(*this, values, base, {}, by);
+  apply_shared(reference_, data.amplitude_from_track, run);
+  change_friction(base.friction.pulse_width - mean_width_, data.course, run);
+  AppliedScenario result = run.applied();
   if (follows)
-    result.stretch = result.scenario.drive.angular_frequency / run.scenario.drive.angular_frequency;
+    result.stretch = result.scenario.drive.angular_frequency / data.scenario.drive.angular_frequency;
   return result;
 }
 
-void Unknowns::change_friction(const Eigen::VectorXd& values, double course, bool derivatives,
-                               AppliedScenario& applied) const {
-  const auto by_width = find(FitParameter::mu2_width), by_course = find(FitParameter::wear);
-  if (!by_width && !by_course) return;
-  model::Friction& friction = applied.scenario.friction;
-  const double wider = friction.pulse_width - mean_width_;
-  // Exponentials: friction is never negative.
-  const double heated = std::exp(by_width ? wider * values(*by_width) : 0);
-  const double worn = std::exp(by_course ? course * values(*by_course) : 0);
-  const double mu1 = friction.nominal, mu2 = friction.reduced;
-  friction.nominal = mu1 * worn;
-  friction.reduced = mu2 * worn * heated;
-  if (!derivatives) return;
-  Chain chain(applied);
-  chain.scale(model::Parameter::mu1, worn);
-  chain.scale(model::Parameter::mu2, worn * heated);
-  chain.add(model::Parameter::mu1, by_course, mu1 * worn * course);
-  if (!(friction.pulse_width > 0)) return;
-  chain.add(model::Parameter::mu2, by_course, friction.reduced * course);
-  chain.add(model::Parameter::mu2, by_width, friction.reduced * wider);
-}
-
-void Unknowns::widen(std::size_t run, AppliedScenario& applied) const {
-  const Eigen::Index own = own_[run].count;
-  applied.chain.conservativeResize(Eigen::NoChange, common() + own);
-  applied.chain.rightCols(own).setZero();
-}
-
-AppliedScenario Unknowns::apply_trajectory(const Eigen::VectorXd& values, std::size_t run,
+AppliedScenario Unknowns::apply_trajectory(const Eigen::VectorXd& values, std::size_t index,
                                            bool derivatives) const {
-  const TrajectoryRun& data = problem_->trajectory_runs[run];
-  if (data.free_slide) return apply_free_slide(values, run, derivatives);
-  AppliedScenario result = apply(values, data.scenario, data.amplitude_from_track, derivatives);
-  change_friction(values, data.course, derivatives, result);
-  widen(run, result);
-  Chain chain(result);
-  const auto move = [&](model::Parameter parameter, Eigen::Index by) {
-    result.scenario.set(parameter, result.scenario.get(parameter) + values(by));
-    if (derivatives) chain.add(parameter, common() + by - own_[run].first, 1);
-  };
-  if (const NuisanceBlock* phase = find(Nuisance::phase, run))
-    move(model::Parameter::start_phase, phase->first);
-  if (const NuisanceBlock* own = find(Nuisance::own, run))
+  const TrajectoryRun& data = problem_->trajectory_runs[index];
+  if (data.free_slide) return apply_free_slide(values, index, derivatives);
+  Setting run(*this, values, data.scenario, own_[index], derivatives ? shared_ : kNone);
+  apply_shared(reference_, data.amplitude_from_track, run);
+  change_friction(data.scenario.friction.pulse_width - mean_width_, data.course, run);
+  if (const NuisanceBlock* phase = find(Nuisance::phase, index))
+    run.add(Parameter::start_phase, run.own(phase->first));
+  if (const NuisanceBlock* own = find(Nuisance::own, index))
     for (Eigen::Index k = 0; k < own->size(); ++k)
-      move(data.own.parameters[static_cast<std::size_t>(k)], own->first + k);
-  return result;
+      run.add(data.own.parameters[static_cast<std::size_t>(k)], run.own(own->first + k));
+  return run.applied();
 }
 
-void Unknowns::apply_slope(const Eigen::VectorXd& values, const TrajectoryRun& slide, bool derivatives,
-                           AppliedScenario& applied) const {
-  const double theta = std::abs(slide.slope) + value_of(FitParameter::slope, values);
-  model::Drive& drive = applied.scenario.drive;
-  const double gravity = drive.gravity;
-  // A part on a plane tilted by theta moves as one on a level platform that is pressed with g cos(theta) and
-  // pulled with g sin(theta) = g cos(theta) tan(theta) downhill.
-  drive.gravity *= std::cos(theta);
-  drive.tilt_x = std::asin(std::tan(theta) * slide.downhill.x());
-  drive.tilt_y = std::asin(std::tan(theta) * slide.downhill.y());
-  if (!derivatives) return;
-  // The plane's own slope stands for the platform's tilt.
-  Chain chain(applied);
-  chain.scale(model::Parameter::gravity, std::cos(theta));
-  chain.scale(model::Parameter::tilt_x, 0);
-  chain.scale(model::Parameter::tilt_y, 0);
-  const auto unknown = find(FitParameter::slope);
-  const double steeper = 1 / (std::cos(theta) * std::cos(theta));  // d tan(theta) / d theta
-  chain.add(model::Parameter::gravity, unknown, -gravity * std::sin(theta));
-  chain.add(model::Parameter::tilt_x, unknown, steeper * slide.downhill.x() / std::cos(drive.tilt_x));
-  chain.add(model::Parameter::tilt_y, unknown, steeper * slide.downhill.y() / std::cos(drive.tilt_y));
-}
-
-AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::size_t run,
+AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::size_t index,
                                            bool derivatives) const {
-  const TrajectoryRun& slide = problem_->trajectory_runs[run];
+  const TrajectoryRun& slide = problem_->trajectory_runs[index];
   model::Scenario base = slide.scenario;
   base.drive.amplitude = base.drive.amplitude_y = 0;
   base.friction.pulse_width = 0;
   base.start = model::Start::rest;
-  AppliedScenario result = apply(values, base, false, derivatives);
-  if (slide.slope != 0) apply_slope(values, slide, derivatives, result);
-  widen(run, result);
-  const Eigen::Index v = find(Nuisance::velocity, run)->first, shared = common() - own_[run].first;
-  const NuisanceBlock *spin = find(Nuisance::spin, run), *deviation = find(Nuisance::deviation, run);
-  result.scenario.initial_velocity = values.segment<2>(v);
-  result.scenario.viscous = value_of(FitParameter::viscous, values);
-  const bool viscous_too = deviation && deviation->size() > 1;
-  if (deviation) result.scenario.friction.nominal += values(deviation->first);
-  if (viscous_too) result.scenario.viscous += values(deviation->first + 1);
-  if (spin) {
+  Setting run(*this, values, base, own_[index], derivatives ? shared_ : kNone);
+  apply_shared(reference_, false, run);
+  if (slide.slope != 0) lean(slide, run);
+  // The platform rests: its frequency is only the clock of the model.
+  run.set(Parameter::angular_frequency, run.constant(run.scenario.drive.angular_frequency));
+  const Eigen::Index velocity = find(Nuisance::velocity, index)->first;
+  run.set(Parameter::velocity_x, run.own(velocity));
+  run.set(Parameter::velocity_y, run.own(velocity + 1));
+  run.set(Parameter::viscous, run.of(FitParameter::viscous));
+  if (const NuisanceBlock* deviation = find(Nuisance::deviation, index)) {
+    run.add(Parameter::mu1, run.own(deviation->first));
+    if (deviation->size() > 1) run.add(Parameter::viscous, run.own(deviation->first + 1));
+  }
+  if (const NuisanceBlock* spin = find(Nuisance::spin, index)) {
     // The radius was measured in the same picture. An even disc about its bearing face: k = (R/R_bearing)^2
     // / 2.
-    const double bearing = std::exp(DiscSpin::within(values(spin->first + 1), slide.track.round));
-    result.scenario.spin = {values(spin->first), slide.track.radius * result.scale * bearing,
-                            0.5 / (bearing * bearing)};
-  }
-  if (!derivatives) return result;
-  Chain chain(result);
-  chain.add(model::Parameter::viscous, find(FitParameter::viscous), 1);
-  chain.add(model::Parameter::velocity_x, shared + v, 1);
-  chain.add(model::Parameter::velocity_y, shared + v + 1, 1);
-  if (deviation) chain.add(model::Parameter::mu1, shared + deviation->first, 1);
-  if (viscous_too) chain.add(model::Parameter::viscous, shared + deviation->first + 1, 1);
-  if (spin) {
+    Number logarithm = run.own(spin->first + 1);
+    const double within = DiscSpin::within(logarithm.value(), slide.track.round);
+    if (within != logarithm.value()) logarithm = run.constant(within);
+    const Number bearing = exp(logarithm), radius = run.of(FitParameter::scale) * bearing;
+    run.scenario.spin.radius = slide.track.radius * radius.value();
     // The path knows rate and radius by their product alone.
-    const Eigen::Index rate = shared + spin->first;
-    chain.add(model::Parameter::spin, rate, 1);
-    const double bearing = values(spin->first + 1),
-                 inside = DiscSpin::within(bearing, slide.track.round) == bearing ? 1 : 0;
-    chain.add(model::Parameter::spin, rate + 1, inside * values(spin->first));
-    chain.add(model::Parameter::spin, find(FitParameter::scale), values(spin->first) / result.scale);
-    chain.add(model::Parameter::inertia, rate + 1, -2 * inside * result.scenario.spin.inertia);
+    run.set(Parameter::spin, run.own(spin->first) * radius / radius.value());
+    run.set(Parameter::inertia, 0.5 / (bearing * bearing));
   }
-  // The platform rests: its frequency is only the clock of the model.
-  if (const auto w = find(FitParameter::angular_frequency)) result.chain.col(*w).setZero();
-  return result;
+  return run.applied();
 }
 
 std::optional<double> Unknowns::sliding_threshold() const {

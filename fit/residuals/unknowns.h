@@ -55,6 +55,8 @@ class Unknowns {
   Eigen::Index reported() const { return static_cast<Eigen::Index>(problem_->free.size()); }
   /// Reported and conditions.
   Eigen::Index common() const { return static_cast<Eigen::Index>(common_.size()); }
+  /// The places of those.
+  const std::vector<Eigen::Index>& shared() const { return shared_; }
   FitParameter parameter(Eigen::Index i) const { return common_[static_cast<std::size_t>(i)]; }
   std::optional<Eigen::Index> find(FitParameter parameter) const;
 
@@ -85,7 +87,11 @@ class Unknowns {
   /// First guesses: Problem::start, else the prior's mean, else the scene's own scale.
   Eigen::VectorXd first_guess() const;
 
-  /// Value of a parameter that is neither fitted nor fixed.
+  /// Fitted or fixed.
+  bool is_known(FitParameter parameter) const {
+    return find(parameter) || problem_->fixed.count(parameter) > 0;
+  }
+  /// Value of a parameter that is neither.
   double as_given(FitParameter parameter) const { return reference_.as_given(parameter); }
   /// Value of a parameter that is fitted or fixed or the run's own.
   double value_of(FitParameter parameter, const Eigen::VectorXd& values) const;
@@ -93,8 +99,9 @@ class Unknowns {
   AppliedScenario apply(const Eigen::VectorXd& values, const model::Scenario& base, bool amplitude_from_track,
                         bool derivatives) const;
   /// The run lasts as long as it was measured, whatever w is tried; given as alpha and v, it lasts its
-  /// cycles.
-  AppliedScenario apply_summary(const Eigen::VectorXd& values, const SummaryRun& run, bool derivatives) const;
+  /// cycles. `by`: the shared unknowns to differentiate by; the chain is 0 for the others.
+  AppliedScenario apply_summary(const Eigen::VectorXd& values, const SummaryRun& run,
+                                const std::vector<Eigen::Index>& by) const;
   /// Of a trajectory run, driven or a free slide.
   AppliedScenario apply_trajectory(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
 
@@ -107,17 +114,11 @@ class Unknowns {
  private:
   Eigen::VectorXd mapped(double (Transform::*by)(double) const, const Eigen::VectorXd& from) const;
   AppliedScenario apply_free_slide(const Eigen::VectorXd& values, std::size_t run, bool derivatives) const;
-  void apply_slope(const Eigen::VectorXd& values, const TrajectoryRun& slide, bool derivatives,
-                   AppliedScenario& applied) const;
-  /// mu1 and mu2 as the width of the gate and the course of the campaign change them.
-  void change_friction(const Eigen::VectorXd& values, double course, bool derivatives,
-                       AppliedScenario& applied) const;
-  /// With columns for the run's own unknowns behind those that all share.
-  void widen(std::size_t run, AppliedScenario& applied) const;
 
   const Problem* problem_;
   std::vector<FitParameter> common_;
-  Reference reference_;  ///< fitted A and w are those of this run
+  std::vector<Eigen::Index> shared_;  ///< 0, 1, ...
+  Reference reference_;               ///< fitted A and w are those of this run
   std::vector<Transform> transforms_;
   std::vector<NuisanceBlock> nuisances_;  ///< run by run
   std::vector<Range> own_;                ///< of each trajectory run

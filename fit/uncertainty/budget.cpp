@@ -76,7 +76,7 @@ class Sources {
           FitParameter::phase_shift, FitParameter::phase_reference, FitParameter::scale,
           FitParameter::gravity, FitParameter::tilt_x, FitParameter::tilt_y, FitParameter::slope,
           FitParameter::start_phase}) {
-      if (unknowns_.find(quantity) || problem_.fixed.count(quantity)) continue;
+      if (unknowns_.is_known(quantity)) continue;
       exact.push_back(quantity);
       all.conditions.push_back({quantity, 1, ""});
     }
