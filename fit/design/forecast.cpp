@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "fit/residuals/end_point.h"
+#include "fit/tools/statistics.h"
 #include "fit/tools/track_errors.h"
 #include "model/trajectory.h"
 
@@ -50,21 +51,15 @@ Forecaster::Forecaster(const Residuals& residuals, const Eigen::VectorXd& values
   most_steps_ *= kLonger;
   if (track_) return;
   // ln sd = ln sd_ + power ln(length/length_), a straight line through the runs.
-  double mean_x = 0, mean_y = 0, square = 0, product = 0;
   std::vector<double> x, y;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     x.push_back(std::log(std::max(runs[i].measured.vector.norm(), 1e-9)));
     y.push_back(0.5 * std::log(0.5 * residuals.covariance(i).trace()));
-    mean_x += x.back() / static_cast<double>(runs.size());
-    mean_y += y.back() / static_cast<double>(runs.size());
   }
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    square += (x[i] - mean_x) * (x[i] - mean_x);
-    product += (x[i] - mean_x) * (y[i] - mean_y);
-  }
-  power_ = square > 1e-6 ? std::clamp(product / square, 0.0, 1.0) : 0;
-  sd_ = std::exp(mean_y);
-  length_ = std::exp(mean_x);
+  const auto line = line_through<double>(x, y);
+  power_ = line.square > 1e-6 ? std::clamp(line.slope, 0.0, 1.0) : 0;
+  sd_ = std::exp(line.middle);
+  length_ = std::exp(line.mean);
 }
 
 Candidate Forecaster::drive_so_far() const {

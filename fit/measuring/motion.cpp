@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numeric>
 #include <vector>
 
 #include "fit/measuring/sine_fit.h"
@@ -245,21 +246,10 @@ struct AlongShape {
 };
 
 AlongShape along(const Series& series, const std::vector<double>& shape) {
-  const double n = static_cast<double>(series.size());
-  double mean = 0, square = 0;
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero(), product = Eigen::Vector2d::Zero();
-  for (std::size_t i = 0; i < series.size(); ++i) {
-    mean += shape[i] / n;
-    middle += series.position[i] / n;
-  }
-  for (std::size_t i = 0; i < series.size(); ++i) {
-    square += (shape[i] - mean) * (shape[i] - mean);
-    product += (shape[i] - mean) * (series.position[i] - middle);
-  }
-  AlongShape fit;
-  if (square > 0) fit.velocity = product / square;
+  const auto line = line_through<Eigen::Vector2d>(shape, series.position);
+  AlongShape fit{line.slope, 0};
   for (std::size_t i = 0; i < series.size(); ++i)
-    fit.squares += (series.position[i] - middle - (shape[i] - mean) * fit.velocity).squaredNorm();
+    fit.squares += (series.position[i] - line.at(shape[i])).squaredNorm();
   return fit;
 }
 
@@ -292,11 +282,7 @@ std::optional<EvenBraking> braking_of(const Series& series, const Noise& noise, 
   const std::vector<double> g = shape_of(series, stop, shape);
   for (std::size_t i = 0; i < series.size(); ++i)
     left.push_back(best.velocity.normalized().dot(series.position[i] - g[i] * best.velocity));
-  const double mean = [&] {
-    double sum = 0;
-    for (const double l : left) sum += l;
-    return sum / static_cast<double>(left.size());
-  }();
+  const double mean = std::accumulate(left.begin(), left.end(), 0.0) / static_cast<double>(left.size());
   for (double& l : left) l -= mean;
   const double independent = degrees / residual_correlation_time(left, 4);
   if (chi2_survival((line - least) / least * independent, 2) > kBySurprise) return std::nullopt;

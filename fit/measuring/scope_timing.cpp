@@ -247,26 +247,16 @@ std::optional<SensorClock> sensor_clock(const ScopeEvents& events, const ScopeOp
   std::vector<double> turns(n, 0);
   for (std::size_t i = 1; i < n; ++i)
     turns[i] = turns[i - 1] + std::max(1.0, std::round((events.pulses[i] - events.pulses[i - 1]) / gap));
-  double mean_turn = 0, mean_time = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    mean_turn += turns[i] / static_cast<double>(n);
-    mean_time += events.pulses[i] / static_cast<double>(n);
-  }
-  double tt = 0, tk = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    tt += (turns[i] - mean_turn) * (turns[i] - mean_turn);
-    tk += (turns[i] - mean_turn) * (events.pulses[i] - mean_time);
-  }
-  const double period = tk / tt;
+  const auto line = internal::line_through<double>(turns, events.pulses);
+  const double period = line.slope;
   double squares = 0;
-  for (std::size_t i = 0; i < n; ++i)
-    squares += std::pow(events.pulses[i] - mean_time - period * (turns[i] - mean_turn), 2);
+  for (std::size_t i = 0; i < n; ++i) squares += std::pow(events.pulses[i] - line.at(turns[i]), 2);
   SensorClock result;
   result.scatter = std::sqrt(squares / static_cast<double>(n - 2));
   const double w = turn / period;
-  result.angular_frequency = {w, w * result.scatter / std::sqrt(tt) / period};
+  result.angular_frequency = {w, w * result.scatter / std::sqrt(line.square) / period};
   result.clock.angular_frequency = w;
-  result.clock.phase_at_zero = std::remainder(turn * mean_turn - w * mean_time, turn);
+  result.clock.phase_at_zero = std::remainder(turn * line.mean - w * line.middle, turn);
   result.clock.phase_sd =
       w * std::hypot(result.scatter / std::sqrt(static_cast<double>(n)), options.sensor_delay_sd);
   return result;

@@ -4,29 +4,18 @@
 #include <cmath>
 #include <span>
 
+#include "fit/tools/statistics.h"
+
 namespace tribotrack::fit::internal {
 namespace {
 
 constexpr std::size_t kFewest = 8;
 
-/// Slope of a straight line through values over times.
-template <class Value>
-Value line_slope(std::span<const double> times, std::span<const Value> values, Value sum) {
-  double mean = 0, square = 0;
-  for (const double time : times) mean += time / static_cast<double>(times.size());
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    square += (times[i] - mean) * (times[i] - mean);
-    sum += (times[i] - mean) * values[i];
-  }
-  if (square > 0) sum /= square;
-  return sum;
-}
-
 /// Velocity over the points [first, last).
 Eigen::Vector2d velocity(const TrackTable& track, std::size_t first, std::size_t last) {
-  return line_slope<Eigen::Vector2d>(std::span(track.time).subspan(first, last - first),
-                                     std::span(track.position).subspan(first, last - first),
-                                     Eigen::Vector2d::Zero());
+  return line_through<Eigen::Vector2d>(std::span(track.time).subspan(first, last - first),
+                                       std::span(track.position).subspan(first, last - first))
+      .slope;
 }
 
 /// Deceleration of a part of mu = 0, and that of mu = 1 beyond it.
@@ -96,7 +85,7 @@ FreeSlideGuess guess_free_slide(const TrajectoryRun& run) {
     speeds.push_back(here);
   }
   const Braking by = braking(run);
-  guess.mu = (-line_slope<double>(times, speeds, 0) - by.by_slope) / by.by_friction;
+  guess.mu = (-line_through<double>(times, speeds).slope - by.by_slope) / by.by_friction;
   if (!(guess.mu > 0)) guess.mu = 0.01 * top * top / by.by_friction;
   guess.mu = std::max(guess.mu, 1e-4);
   const std::size_t window_end = std::min(n, guess.first + 2 * kSpeedWindow + 1);

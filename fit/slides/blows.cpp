@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "fit/residuals/free_slide.h"
@@ -261,14 +262,8 @@ Angles angles_of(const TrackTable& track, std::size_t first) {
 
 /// Straight line through the first angles: where the search begins.
 double first_rate(const Angles& seen) {
-  const auto n = static_cast<Eigen::Index>(std::max(kFewestAngles / 2, seen.time.size() / 4));
-  Eigen::MatrixX2d a(n, 2);
-  Eigen::VectorXd b(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    a.row(i) << 1, seen.time[static_cast<std::size_t>(i)];
-    b(i) = seen.angle[static_cast<std::size_t>(i)];
-  }
-  return least_squares(a, b)(1);
+  const std::size_t n = std::max(kFewestAngles / 2, seen.time.size() / 4);
+  return line_through<double>(std::span(seen.time).first(n), std::span(seen.angle).first(n)).slope;
 }
 
 struct Linearised {

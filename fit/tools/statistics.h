@@ -1,7 +1,9 @@
-// The distributions, medians and correlation times that a fit needs.
+// The distributions, medians, straight lines and correlation times that a fit needs.
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace tribotrack::fit::internal {
@@ -30,6 +32,34 @@ double falls_to(const std::function<double(double)>& f, double level, double far
 
 /// The value in the middle; of an even number the upper of the two.
 double upper_median(std::vector<double> values);
+
+/// A straight line by least squares: y = middle + slope (x - mean), y numbers or vectors. The slope is 0
+/// where all x are alike.
+template <class Value>
+struct Line {
+  double mean = 0;    ///< of x
+  double square = 0;  ///< sum (x - mean)^2
+  Value middle, slope;
+  Value at(double x) const { return middle + (x - mean) * slope; }
+};
+
+/// Through one point at least.
+template <class Value>
+Line<Value> line_through(std::span<const double> x, std::span<const Value> y) {
+  const auto n = static_cast<double>(x.size());
+  const Value zero = 0.0 * y.front();
+  Line<Value> line{0, 0, zero, zero};
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    line.mean += x[i] / n;
+    line.middle += y[i] / n;
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    line.square += (x[i] - line.mean) * (x[i] - line.mean);
+    line.slope += (x[i] - line.mean) * (y[i] - line.middle);
+  }
+  if (line.square > 0) line.slope /= line.square;
+  return line;
+}
 
 /// From the median absolute deviation of normal values to their standard deviation.
 inline constexpr double kSdPerMad = 1.4826;
