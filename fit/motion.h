@@ -46,7 +46,6 @@ struct EvenBraking {
   double deceleration = 0;          ///< m/s^2, its mean; of an incline < 0
   double speed = 0;                 ///< m/s, where it is fastest
   std::size_t first = 0, last = 0;  ///< rows [first, last)
-  double unexplained = 1;           ///< share of the departure from a straight line
 };
 
 struct ShownMotion {

@@ -62,12 +62,11 @@ struct ChannelLook {
     carrier,  ///< one that never stops
   };
   Kind kind = Kind::quiet;
-  double low = 0, high = 0;       ///< V, the levels: 0.2 % of the samples lie beyond each
-  double least = 0, most = 0;     ///< V
-  double repeat_hz = 0;           ///< of pulses or bursts
-  std::size_t count = 0;          ///< of them
-  double carrier_hz = 0;          ///< of bursts and of a carrier
-  double samples_per_period = 0;  ///< of the carrier
+  double low = 0, high = 0;    ///< V, the levels: 0.2 % of the samples lie beyond each
+  double least = 0, most = 0;  ///< V
+  double repeat_hz = 0;        ///< of pulses or bursts
+  std::size_t count = 0;       ///< of them
+  double carrier_hz = 0;       ///< of bursts and of a carrier
 };
 
 /// By the rises through half the height, with a hysteresis of a tenth, if most are one interval apart. With

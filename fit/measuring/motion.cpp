@@ -287,9 +287,8 @@ std::optional<EvenBraking> braking_of(const Series& series, const Noise& noise, 
   const double independent = degrees / residual_correlation_time(left, 4);
   if (chi2_survival((line - least) / least * independent, 2) > kBySurprise) return std::nullopt;
   const double by_noise = degrees * std::pow(noise.of_mean(together), 2);
+  if (std::max(0.0, least - by_noise) / std::max(line - by_noise, 1e-300) > kUnexplained) return std::nullopt;
   EvenBraking found;
-  found.unexplained = std::max(0.0, least - by_noise) / std::max(line - by_noise, 1e-300);
-  if (found.unexplained > kUnexplained) return std::nullopt;
   found.speed = best.velocity.norm();
   const double seen = std::min(1.0, span / stop);
   found.deceleration = found.speed / stop * (1 + shape * (1 - seen));
@@ -339,8 +338,7 @@ std::optional<EvenBraking> slide_in(const TrackTable& track) {
   run.track = part_of(track, clean.first, clean.last);
   try {
     const FreeSlideGuess guess = guess_free_slide(run);
-    return if_most(track, braking_in(track, clean.first + guess.first, clean.first + guess.last, false),
-                   kOfSlide);
+    return if_most(track, braking_in(track, clean.first + guess.first, clean.last, false), kOfSlide);
   } catch (const DataError&) {  // nothing is left in which it could slide
     return std::nullopt;
   }

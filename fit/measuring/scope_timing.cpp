@@ -195,7 +195,6 @@ ChannelLook look_at_channel(const std::vector<double>& volts, double increment) 
   if (bursts || per_second > kSlowestCarrier) {
     look.kind = bursts ? ChannelLook::Kind::bursts : ChannelLook::Kind::carrier;
     look.carrier_hz = per_second;
-    look.samples_per_period = 1 / (per_second * increment);
     look.count = starts.size() + 1;
     if (starts.size() > 1)
       look.repeat_hz =

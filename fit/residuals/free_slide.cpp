@@ -63,7 +63,6 @@ FreeSlideGuess guess_free_slide(const TrajectoryRun& run) {
   const double top = speed[place];
   if (!(top > 0)) refuse("the part does not move.");
   FreeSlideGuess guess;
-  guess.last = n;
   const bool gains_speed = run.slope != 0 && motion.gains_speed();
   guess.first = place == 0 || gains_speed ? 0 : fastest;
   // The frame of the strike itself lies between rest and sliding: its step is short.
@@ -71,7 +70,7 @@ FreeSlideGuess guess_free_slide(const TrajectoryRun& run) {
     return (track.position[i + 1] - track.position[i]).norm() / (track.time[i + 1] - track.time[i]);
   };
   while (!gains_speed && guess.first < fastest && step_speed(guess.first) < 0.9 * top) ++guess.first;
-  if (guess.last - guess.first < kFewest)
+  if (n - guess.first < kFewest)
     refuse(
         "the part is fastest at the end of the track, so no free sliding was seen: analyse later frames, or "
         "give slope_rad if it slides down an incline.");

@@ -24,12 +24,12 @@ Motion find_motion(const std::vector<double>& speeds);
 /// That share. A slower part may still be held by the hand that lets it go; the way left out is its square.
 inline constexpr double kStillSlow = 0.15;
 
-/// The points [first, last) after the strike: those after the maximum of the smoothed speed. A track whose
+/// The points from `first` on, after the strike: those after the maximum of the smoothed speed. A track whose
 /// speed is highest at its beginning is used whole, but for first steps that are a tenth shorter than that
 /// speed; so is one on an incline that gains speed. Throws DataError for fewer than
 /// eight points or a part that never moves.
 struct FreeSlideGuess {
-  std::size_t first = 0, last = 0;
+  std::size_t first = 0;
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< at `first`, m/s
   double mu = 0;
 };
