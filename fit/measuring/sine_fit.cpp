@@ -30,46 +30,63 @@ void solve_linear(const MarkerSeries& marker, std::size_t first, std::size_t las
   fit.coefficients = scale.asDiagonal() * scaled.ldlt().solve((scale.asDiagonal() * right).eval());
 }
 
-/// One Gauss-Newton step on all nine numbers; returns the step in w.
-double step(const MarkerSeries& marker, std::size_t first, std::size_t last, SineFit& fit) {
-  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
-  Eigen::Matrix<double, 9, 1> right = Eigen::Matrix<double, 9, 1>::Zero();
-  fit.chi2 = fit.residual_square = 0;
+struct Linear {
+  Eigen::VectorXd value;
+  Eigen::MatrixXd covariance;  ///< for noise of the weights' sigma
+};
+
+Linear solved(const Eigen::MatrixXd& normal, const Eigen::VectorXd& right) {
+  const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+  const Eigen::VectorXd scaled_right = scale.asDiagonal() * right;
+  return {scale.asDiagonal() * solve_symmetric(scaled, scaled_right),
+          scale.asDiagonal() * inverse_symmetric(scaled) * scale.asDiagonal()};
+}
+
+struct Step {
+  Linear change;
+  double chi2 = 0, residual_square = 0;  ///< before it
+};
+
+/// One Gauss-Newton step on all nine numbers, or on ten: with the phase w t + q t^2 / 2, q the last.
+template <int N>
+Step step(const MarkerSeries& marker, std::size_t first, std::size_t last, const SineFit& fit) {
+  Step result;
+  Eigen::Matrix<double, N, N> normal = Eigen::Matrix<double, N, N>::Zero();
+  Eigen::Matrix<double, N, 1> right = Eigen::Matrix<double, N, 1>::Zero();
   for (std::size_t i = first; i < last; ++i) {
     const double t = marker.time(i);
     const Eigen::Vector4d b = basis(t, fit.w);
     for (int axis = 0; axis < 2; ++axis) {
       const auto c = fit.coefficients.col(axis);
-      const double residual = marker.at(i)(axis) - b.dot(c);
-      Eigen::Matrix<double, 9, 1> row = Eigen::Matrix<double, 9, 1>::Zero();
-      row.segment<4>(4 * axis) = b;
-      row(8) = t * (c(3) * b(2) - c(2) * b(3));
+      const double residual = marker.at(i)(axis) - b.dot(c), by_phase = c(3) * b(2) - c(2) * b(3);
+      Eigen::Matrix<double, N, 1> row = Eigen::Matrix<double, N, 1>::Zero();
+      row.template segment<4>(4 * axis) = b;
+      row(8) = t * by_phase;
+      if constexpr (N > 9) row(9) = 0.5 * t * t * by_phase;
       normal += marker.weight(i) * row * row.transpose();
       right += marker.weight(i) * residual * row;
-      fit.chi2 += marker.weight(i) * residual * residual;
-      fit.residual_square += residual * residual;
+      result.chi2 += marker.weight(i) * residual * residual;
+      result.residual_square += residual * residual;
     }
   }
-  const Eigen::Matrix<double, 9, 1> scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::Matrix<double, 9, 9> scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-  const Eigen::LDLT<Eigen::Matrix<double, 9, 9>> factor(scaled);
-  const Eigen::Matrix<double, 9, 1> scaled_right = scale.asDiagonal() * right;
-  const Eigen::Matrix<double, 9, 1> change = scale.asDiagonal() * factor.solve(scaled_right);
-  fit.covariance =
-      scale.asDiagonal() * factor.solve(Eigen::Matrix<double, 9, 9>::Identity()) * scale.asDiagonal();
-  return change(8);
+  result.change = solved(normal, right);
+  return result;
 }
 
 void refine(const MarkerSeries& marker, std::size_t first, std::size_t last, SineFit& fit) {
   solve_linear(marker, first, last, fit);
   const double resolution = pi / std::max(1e-300, marker.time(last - 1) - marker.time(first));
   for (int i = 0; i < 30; ++i) {
-    const double change = step(marker, first, last, fit);
+    const double change = step<9>(marker, first, last, fit).change.value(8);
     fit.w += std::clamp(change, -0.5 * resolution, 0.5 * resolution);
     solve_linear(marker, first, last, fit);
     if (std::abs(change) < 1e-14 * fit.w) break;
   }
-  step(marker, first, last, fit);
+  const Step left = step<9>(marker, first, last, fit);
+  fit.chi2 = left.chi2;
+  fit.residual_square = left.residual_square;
+  fit.covariance = left.change.covariance;
 }
 
 /// w of the strongest line between two cycles a span and Nyquist's frequency, both axes together.
@@ -203,19 +220,6 @@ Eigen::VectorXd columns(double t, double w, int highest) {
   return c;
 }
 
-struct Linear {
-  Eigen::VectorXd value;
-  Eigen::MatrixXd covariance;  ///< for noise of the weights' sigma
-};
-
-Linear solved(const Eigen::MatrixXd& normal, const Eigen::VectorXd& right) {
-  const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-  const Eigen::VectorXd scaled_right = scale.asDiagonal() * right;
-  return {scale.asDiagonal() * solve_symmetric(scaled, scaled_right),
-          scale.asDiagonal() * inverse_symmetric(scaled) * scale.asDiagonal()};
-}
-
 /// The residuals' own constant, drift and multiples of w, axis by axis.
 Linear fit_multiples(const MarkerSeries& marker, const std::vector<Eigen::Vector2d>& residuals, double w,
                      int highest, int axis) {
@@ -228,29 +232,6 @@ Linear fit_multiples(const MarkerSeries& marker, const std::vector<Eigen::Vector
     right += marker.weight(i) * residuals[i](axis) * c;
   }
   return solved(normal.selfadjointView<Eigen::Lower>(), right);
-}
-
-/// One Gauss-Newton step of the sine fit with the phase w t + q t^2 / 2: q.
-Estimate fit_drift(const MarkerSeries& marker, const std::vector<Eigen::Vector2d>& residuals,
-                   const SineFit& fit) {
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(10, 10);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(10);
-  for (std::size_t i = 0; i < marker.size(); ++i) {
-    const double t = marker.time(i);
-    const double c = std::cos(fit.w * t), s = std::sin(fit.w * t);
-    for (int axis = 0; axis < 2; ++axis) {
-      const auto k = fit.coefficients.col(axis);
-      const double by_phase = k(3) * c - k(2) * s;
-      Eigen::VectorXd row = Eigen::VectorXd::Zero(10);
-      row.segment<4>(4 * axis) << 1, t, c, s;
-      row(8) = t * by_phase;
-      row(9) = 0.5 * t * t * by_phase;
-      normal += marker.weight(i) * row * row.transpose();
-      right += marker.weight(i) * residuals[i](axis) * row;
-    }
-  }
-  const Linear solution = solved(normal, right);
-  return {solution.value(9), std::sqrt(solution.covariance(9, 9))};
 }
 
 Estimate amplitude_of(const Linear& solution, int order, double variance_factor, double repeating) {
@@ -269,8 +250,8 @@ SineResiduals analyse_residuals(const MarkerSeries& marker, const SineFit& fit, 
   const double cycles = marker.span() * fit.w / (2 * pi);
   if (marker.size() < 40 || cycles < 3) return result;
   result.near_w = power_near(marker, residuals, fit.w);
-  const Estimate drift = fit_drift(marker, residuals, fit);
-  result.frequency_drift = {drift.value, drift.sd * std::sqrt(noise_factor)};
+  const Linear drift = step<10>(marker, 0, marker.size(), fit).change;
+  result.frequency_drift = {drift.value(9), std::sqrt(noise_factor * drift.covariance(9, 9))};
 
   // Multiples up to a little below half the frame rate.
   const double frames_a_cycle = static_cast<double>(marker.size()) / cycles;
