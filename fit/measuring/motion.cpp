@@ -232,10 +232,7 @@ struct Noise {
 };
 
 Noise noise_of(const TrackTable& track) {
-  const double slow = slow_variance(track, 0);
-  double variance = 0;
-  for (const Eigen::Matrix2d& covariance : track.covariance)
-    variance += 0.5 * covariance.trace() / static_cast<double>(track.covariance.size());
+  const double slow = slow_variance(track, 0), variance = mean_variance(track);
   return {std::sqrt(std::max(0.0, variance - slow)), std::sqrt(std::min(slow, variance))};
 }
 

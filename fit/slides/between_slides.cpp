@@ -64,13 +64,6 @@ double product(const std::vector<double>& e, std::size_t lag) {
   return sum;
 }
 
-/// Per axis, of one point.
-double mean_variance(const TrackTable& track) {
-  double sum = 0;
-  for (const Eigen::Matrix2d& covariance : track.covariance) sum += 0.5 * covariance.trace();
-  return sum / static_cast<double>(track.covariance.size());
-}
-
 /// Share of the track's variance that its own slow errors have in common at so many seconds.
 double told_correlation(const TrackTable& track, double apart) {
   const double variance = mean_variance(track);

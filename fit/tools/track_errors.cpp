@@ -12,6 +12,12 @@ double slow_variance(const TrackTable& track, double apart) {
   return sum;
 }
 
+double mean_variance(const TrackTable& track) {
+  double sum = 0;
+  for (const Eigen::Matrix2d& covariance : track.covariance) sum += 0.5 * covariance.trace();
+  return sum / static_cast<double>(track.covariance.size());
+}
+
 PointErrors point_errors(const TrackTable& track, std::size_t i) {
   PointErrors point{track.covariance[i]};
   const double slow = slow_variance(track, 0);

@@ -23,6 +23,9 @@ struct PointErrors {
 /// Of all slow errors, m^2 per axis: the covariance of two times so many seconds apart.
 double slow_variance(const TrackTable& track, double apart);
 
+/// Of one point, m^2 per axis.
+double mean_variance(const TrackTable& track);
+
 PointErrors point_errors(const TrackTable& track, std::size_t point);
 
 /// Points and their weights in a sum.
