@@ -112,7 +112,7 @@ struct LeaveOneOut {
 LeaveOneOut leave_one_out(const TrackTable& track, const std::vector<std::size_t>& frames, std::size_t points,
                           double product) {
   LeaveOneOut result;
-  double weights = 0;
+  const auto count = static_cast<double>(frames.size());
   for (const std::size_t i : frames) {
     WeightedPoints off = polynomial_at(track.time, track.time[i], points, i).value;
     off.emplace_back(i, -1);
@@ -121,13 +121,9 @@ LeaveOneOut leave_one_out(const TrackTable& track, const std::vector<std::size_t
     const double own_product = (track.time[i] - track.time[i - 1]) * (track.time[i + 1] - track.time[i]);
     const double factor = product / own_product;
     result.mean_square += factor * factor * (difference * difference.transpose() - noise);
-    result.score += difference.squaredNorm();
-    weights += 1;
+    result.score += difference.squaredNorm() / count;
   }
-  if (weights > 0) {
-    result.mean_square = internal::without_negative_eigenvalues(result.mean_square / weights);
-    result.score /= weights;
-  }
+  result.mean_square = internal::without_negative_eigenvalues(result.mean_square / count);
   return result;
 }
 
