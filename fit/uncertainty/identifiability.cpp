@@ -67,10 +67,6 @@ bool only_phi_varies(const Problem& problem) {
   return true;
 }
 
-void worsen(Verdict& verdict, Verdict to) {
-  verdict = std::max(verdict, to);
-}
-
 /// The checks one after the other, each adding its findings.
 class Judge {
  public:
@@ -185,7 +181,7 @@ class Judge {
  private:
   void add(Verdict verdict, const std::string& sentence) {
     result.weak_directions.push_back(sentence);
-    worsen(result.verdict, verdict);
+    result.verdict = std::max(result.verdict, verdict);
   }
   std::string name(Eigen::Index i) const { return to_string(unknowns_.parameter(i)); }
   bool dead(Eigen::Index i) const {
