@@ -94,10 +94,6 @@ Jet<N> exp(const Jet<N>& a) {
   const double e = std::exp(a.v);
   return chain(a, e, e);
 }
-template <int N>
-Jet<N> log(const Jet<N>& a) {
-  return chain(a, std::log(a.v), 1 / a.v);
-}
 
 inline double value(double a) {
   return a;
