@@ -121,23 +121,22 @@ std::vector<Candidate> turns(const Typed& typed, bool lag_is_fitted) {
                       for (SummaryRun& run : problem.summary_runs) change(run);
                     }});
   };
-  const auto scale_angles = [](SummaryRun& run, double of_phi, double of_dtau, double of_alpha) {
-    run.scenario.friction.phase *= of_phi;
-    run.scenario.friction.pulse_width *= of_dtau;
-    scale_alpha(run, of_alpha);
-  };
-  const auto add_angles = [&](SlipFound::What what, double f, bool phi_too, bool dtau_too, bool alpha_too) {
-    add(what, f,
-        [=](SummaryRun& run) { scale_angles(run, phi_too ? f : 1, dtau_too ? f : 1, alpha_too ? f : 1); });
+  const auto add_angles = [&](SlipFound::What what, double f, double of_phi, double of_dtau,
+                              double of_alpha) {
+    add(what, f, [=](SummaryRun& run) {
+      run.scenario.friction.phase *= of_phi;
+      run.scenario.friction.pulse_width *= of_dtau;
+      scale_alpha(run, of_alpha);
+    });
   };
   for (const double f : {180 / kPi, kPi / 180}) {
     if (typed.timing) {
-      add_angles(phi, f, true, false, false);
-      add_angles(dtau, f, false, true, false);
-      add_angles(timing, f, true, true, false);
+      add_angles(phi, f, f, 1, 1);
+      add_angles(dtau, f, 1, f, 1);
+      add_angles(timing, f, f, f, 1);
     }
-    if (typed.directions) add_angles(alpha, f, false, false, true);
-    if (typed.timing && typed.directions) add_angles(angles, f, true, true, true);
+    if (typed.directions) add_angles(alpha, f, 1, 1, f);
+    if (typed.timing && typed.directions) add_angles(angles, f, f, f, f);
   }
   add(alpha_mirrored, -1,
       [](SummaryRun& run) { map_displacement(run, Eigen::Vector2d(1, -1).asDiagonal().toDenseMatrix()); });
