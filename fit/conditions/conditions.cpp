@@ -205,22 +205,18 @@ class SharedErrors {
   /// a fifth higher, rises by some 1 1/s with speed, mu2 by a tenth with the length of the pulse or the
   /// speed; edges last about 0.1 rad; parts and platforms wear.
   void friction_law() {
-    struct Departure {
-      FitParameter law;
-      double sd;
-    };
-    constexpr Departure kDepartures[] = {{FitParameter::stribeck, 0.1},
-                                         {FitParameter::viscous, 1},
-                                         {FitParameter::gate_edges, 0.01},
-                                         {FitParameter::mu2_width, 0.1},
-                                         {FitParameter::wear, 0.02}};
+    constexpr std::pair<FitParameter, double> kDepartures[] = {{FitParameter::stribeck, 0.1},
+                                                               {FitParameter::viscous, 1},
+                                                               {FitParameter::gate_edges, 0.01},
+                                                               {FitParameter::mu2_width, 0.1},
+                                                               {FitParameter::wear, 0.02}};
     exact_if(shared_.law_is_exact && any_driven(), Source::friction_law);
     if (shared_.law_is_exact || !any_driven()) return;
     // A ramp may begin at the edge that was meant, lie about it, or end there.
     constexpr double kHalfARamp = 0.05;
     add(FitParameter::phase_reference, kHalfARamp, to_string(Source::friction_law) + std::string(kAssumed));
-    for (const Departure& departure : kDepartures)
-      add(departure.law, departure.sd, to_string(Source::friction_law) + std::string(kAssumed));
+    for (const auto& [law, sd] : kDepartures)
+      add(law, sd, to_string(Source::friction_law) + std::string(kAssumed));
   }
 
  private:
