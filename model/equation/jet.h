@@ -163,6 +163,10 @@ T dot(const Pair<T>& a, const Pair<T>& b) {
   return a.x * b.x + a.y * b.y;
 }
 template <class T>
+Pair<double> values(const Pair<T>& a) {
+  return {value(a.x), value(a.y)};
+}
+template <class T>
 double length(const Pair<T>& a) {
   return std::hypot(value(a.x), value(a.y));
 }

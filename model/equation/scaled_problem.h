@@ -21,12 +21,11 @@ struct ScaledDrive {
     const double c = std::cos(s), k = std::sin(s);
     return {q.x * c - p.x * k, q.y * c - p.y * k};
   }
-  Pair<double> value_at(double s) const {
-    const double c = std::cos(s), k = std::sin(s);
-    return {value(constant.x) + value(p.x) * c + value(q.x) * k,
-            value(constant.y) + value(p.y) * c + value(q.y) * k};
-  }
 };
+template <class T>
+ScaledDrive<double> values(const ScaledDrive<T>& d) {
+  return {values(d.constant), values(d.p), values(d.q)};
+}
 
 /// Equation (5) divided by w times a velocity unit V (a power of two near (a + mu g)/w, so that every
 /// coefficient is of order one). With the local phase s = wt - start phase, U = u/V, X = x w/V:

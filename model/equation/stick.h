@@ -28,8 +28,7 @@ class Excess {
 
 template <class T>
 Excess::Excess(const ScaledDrive<T>& d, double kappa) {
-  const Pair<double> c{value(d.constant.x), value(d.constant.y)}, p{value(d.p.x), value(d.p.y)},
-      q{value(d.q.x), value(d.q.y)};
+  const auto [c, p, q] = values(d);
   const double pp = dot(p, p), qq = dot(q, q);
   c0_ = dot(c, c) + 0.5 * (pp + qq) - kappa * kappa;
   c1_ = 2 * dot(c, p);

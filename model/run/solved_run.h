@@ -214,10 +214,8 @@ void Run<T>::positions_at(const std::vector<double>& times, double exposure, Eig
     if (!(exposure > 0)) continue;
     const Contact contact = contact_at(phase);
     if (contact.sticks) continue;
-    const auto number = [](const Pair<T>& a) { return Pair<double>{value(a.x), value(a.y)}; };
-    const auto& d = solver_.drive();
-    const Pair<double> a = force(ScaledDrive<double>{number(d.constant), number(d.p), number(d.q)},
-                                 value(solver_.kappa(contact.reduced)), phase.rest, number(m.velocity));
+    const Pair<double> a =
+        force(values(solver_.drive()), value(solver_.kappa(contact.reduced)), phase.rest, values(m.velocity));
     const double share = unit * w * exposure * exposure / 24;
     positions.col(k) += share * Eigen::Vector2d(a.x, a.y);
   }

@@ -87,7 +87,7 @@ std::optional<SlowStages> solve_stages(const ScaledDrive<double>& drive, double 
   // First guess else: the velocity points along the drive.
   for (int i = 0; i < S; ++i) {
     const double at = s + span * c.node[i];
-    d[i] = drive.value_at(at);
+    d[i] = drive.at(at);
     const Pair<double> slope = drive.slope(at);
     const double norm = length(d[i]);
     if (!(norm > 0)) return std::nullopt;

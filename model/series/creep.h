@@ -92,12 +92,6 @@ typename SlowStep<T>::Point SlowStep<T>::at(double t) const {
   return p;
 }
 
-template <class T>
-ScaledDrive<double> values(const ScaledDrive<T>& d) {
-  return {
-      {value(d.constant.x), value(d.constant.y)}, {value(d.p.x), value(d.p.y)}, {value(d.q.x), value(d.q.y)}};
-}
-
 /// Sizes of the last two Legendre coefficients of a function given at the nodes, and of the function.
 struct Tail {
   double tail = 0, size = 0;

@@ -122,7 +122,7 @@ class Stepper {
   bool at_rest() const { return value(u_.x) == 0 && value(u_.y) == 0; }
   const T& kappa() const { return kappa(reduced_); }
   bool small_speed() const;
-  double strength() const { return length(drive().value_at(s_)) + value(kappa()); }
+  double strength() const { return length(values(drive()).at(s_)) + value(kappa()); }
   /// What strength() cannot exceed.
   double strength_bound() const { return drive_bound_ + value(kappa()); }
   void count_step() {
@@ -345,7 +345,7 @@ template <class T>
 bool Stepper<T>::slow(double target, bool from_rest) {
   using std::cos;
   using std::sin;
-  const Pair<double> d = drive().value_at(s_);
+  const Pair<double> d = values(drive()).at(s_);
   const double mu = value(kappa());
   T speed, angle;
   if (from_rest) {
