@@ -92,28 +92,23 @@ void refine(const MarkerSeries& marker, std::size_t first, std::size_t last, Sin
 /// w of the strongest line between two cycles a span and Nyquist's frequency, both axes together.
 double strongest_frequency(const MarkerSeries& marker, std::size_t first, std::size_t last) {
   const double span = marker.time(last - 1) - marker.time(first);
-  std::vector<double> gaps;
-  for (std::size_t i = first + 1; i < last; ++i) gaps.push_back(marker.time(i) - marker.time(i - 1));
-  const double top = pi / upper_median(gaps);
-
-  // Offset and drift off first.
-  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero(), right = Eigen::Matrix2d::Zero();
+  std::vector<double> gaps, times;
+  std::vector<Eigen::Vector2d> places;
   for (std::size_t i = first; i < last; ++i) {
-    const Eigen::Vector2d b(1, marker.time(i));
-    normal += b * b.transpose();
-    right += b * marker.at(i).transpose();
+    if (i > first) gaps.push_back(marker.time(i) - marker.time(i - 1));
+    times.push_back(marker.time(i));
+    places.push_back(marker.at(i));
   }
-  const Eigen::Matrix2d coefficients = normal.ldlt().solve(right);
+  const double top = pi / upper_median(gaps);
+  const auto drift = line_through<Eigen::Vector2d>(times, places);
   double size = 1e-300;  // metres squared would leave the range of single precision
   for (std::size_t i = first; i < last; ++i) size = std::max(size, marker.at(i).cwiseAbs().maxCoeff());
   // Single precision tells which line is the strongest; its frequency is refined later.
   const auto n = static_cast<Eigen::Index>(last - first);
-  Eigen::ArrayXd time(n);
+  const auto time = Eigen::Map<const Eigen::ArrayXd>(times.data(), n);
   Eigen::VectorXf x(n), y(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const std::size_t at = first + static_cast<std::size_t>(i);
-    time(i) = marker.time(at);
-    const Eigen::Vector2d detrended = marker.at(at) - coefficients.transpose() * Eigen::Vector2d(1, time(i));
+    const Eigen::Vector2d detrended = places[static_cast<std::size_t>(i)] - drift.at(time(i));
     x(i) = static_cast<float>(detrended.x() / size);
     y(i) = static_cast<float>(detrended.y() / size);
   }
