@@ -247,9 +247,9 @@ void track_command(const TrackCommandOptions& options, Context& context) {
 /// What only a recording named by itself can be told: a campaign says it for its runs.
 void exclude_choices(CLI::App& command, CLI::Option& campaign) {
   for (const char* name :
-       {"INPUT", "--fps", "--fps-reason", "--mm-per-px", "--disc-diameter-mm", "--calibration", "--height-mm",
-        "--working-distance-mm", "--disc", "--template", "--marker", "--gate", "--xi-axis-rad", "--layers",
-        "--debug", "--debug-frames", "--config"})
+       {"INPUT", "--fps", "--fps-reason", "--mm-per-px", "--tag-mm", "--disc-diameter-mm", "--chamfer-mm",
+        "--calibration", "--height-mm", "--working-distance-mm", "--disc", "--template", "--marker", "--gate",
+        "--xi-axis-rad", "--layers", "--debug", "--debug-frames", "--config"})
     campaign.excludes(command.get_option(name));
 }
 

@@ -119,7 +119,7 @@ namespace {
 RunScatter likeliest(const Eigen::VectorXd& residuals, const std::vector<Eigen::Matrix2d>& shapes,
                      double least, double most) {
   const auto of = [&](double s) {
-    RunScatter sum{s, 0, 0, 0};
+    RunScatter sum{.relative = s};
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       const Eigen::Vector2d r = residuals.segment<2>(2 * static_cast<Eigen::Index>(i));
       const Eigen::Matrix2d seen = Eigen::Matrix2d::Identity() + s * s * shapes[i];
@@ -143,20 +143,26 @@ std::optional<RunScatter> run_scatter(const Residuals& residuals, const Eigen::V
   const auto runs = unknowns.problem().summary_runs.size();
   if (runs < 4) return std::nullopt;
   const RowGroup& rows = at.groups.front();
-  std::vector<Eigen::Matrix2d> by_friction, anyhow;
+  std::vector<Eigen::Matrix2d> apart, together, anyhow;
   for (std::size_t k = 0; k < runs; ++k) {
     Eigen::Matrix2d g = Eigen::Matrix2d::Zero();
     for (const FitParameter mu : {FitParameter::mu1, FitParameter::mu2})
       if (const auto i = unknowns.find(mu))
         g.col(mu == FitParameter::mu2) =
             unknowns.value_of(mu, values) * rows.shared.col(*i).segment<2>(2 * static_cast<Eigen::Index>(k));
-    by_friction.push_back(g * g.transpose() +
-                          0.5 * kBent * kBent * g.squaredNorm() * Eigen::Matrix2d::Identity());
+    const auto shape = [](const auto& moves) -> Eigen::Matrix2d {
+      return moves * moves.transpose() +
+             0.5 * kBent * kBent * moves.squaredNorm() * Eigen::Matrix2d::Identity();
+    };
+    apart.push_back(shape(g));
+    together.push_back(shape(Eigen::Vector2d(g.rowwise().sum())));
     const Eigen::Matrix2d whitening = Factor2(residuals.covariance(k)).inverse_lower();
     anyhow.push_back(whitening * whitening.transpose());
   }
   const Eigen::VectorXd data = rows.residuals.head(2 * static_cast<Eigen::Index>(runs));
-  RunScatter found = likeliest(data, by_friction, 1e-5, 1);
+  RunScatter found = likeliest(data, apart, 1e-5, 1), both = likeliest(data, together, 1e-5, 1);
+  both.together = true;
+  if (both.fall > found.fall) found = both;
   found.beyond_any = found.fall - likeliest(data, anyhow, 1e-9, 1).fall;
   found.chi2 += at.chi2() - data.squaredNorm();
   return found.fall > 0 ? std::optional(found) : std::nullopt;
@@ -171,11 +177,13 @@ Explanation scatter_of(double per_cent, std::size_t numbers) {
   return found;
 }
 
-Problem with_run_scatter(Problem problem, double relative, double mu1, double mu2) {
+Problem with_run_scatter(Problem problem, double relative, bool together, double mu1, double mu2) {
   const auto add = [&](const model::Friction& friction, OwnErrors& own) {
-    own.add(model::Parameter::mu1, std::pow(relative * mu1, 2));
-    if (friction.pulse_width > 0) own.add(model::Parameter::mu2, std::pow(relative * mu2, 2));
     own.bent = kBent;
+    own.add(model::Parameter::mu1, std::pow(relative * mu1, 2));
+    if (!(friction.pulse_width > 0)) return;
+    own.add(model::Parameter::mu2, std::pow(relative * mu2, 2));
+    if (together) own.add(model::Parameter::mu1, model::Parameter::mu2, relative * relative * mu1 * mu2);
   };
   for (SummaryRun& run : problem.summary_runs) add(run.scenario.friction, run.own);
   for (TrajectoryRun& run : problem.trajectory_runs)

@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "fit/checks/runs.h"
 #include "fit/checks/verdict.h"
 #include "fit/design/next_experiment.h"
 #include "fit/report/fill_result.h"
@@ -301,7 +300,8 @@ double Estimation::scatter_of_friction() const {
   return std::sqrt(square / std::max(1.0, count - 2));
 }
 
-std::optional<Explanation> Estimation::scatter_at(const Eigen::VectorXd& values) const {
+std::optional<std::pair<Explanation, RunScatter>> Estimation::scatter_at(
+    const Eigen::VectorXd& values) const {
   Residuals rows = residuals_;
   rows.set_own_errors(values);
   rows.linearise(values);
@@ -321,9 +321,9 @@ std::optional<Explanation> Estimation::scatter_at(const Eigen::VectorXd& values)
       in_order.push_back({run.scenario.friction.pulse_width, run.scenario.friction.phase,
                           run.measured.vector - difference, difference});
   }
-  found.explains =
-      scatter->beyond_any > 0 && found.p_after > kExplained && runs_test(std::move(in_order)) > kExplained;
-  return found;
+  found.explains = scatter->beyond_any > kPreferred && found.p_after > kExplained &&
+                   runs_test(std::move(in_order)) > kExplained;
+  return std::pair(found, *scatter);
 }
 
 Explanation Estimation::scatter_explained(const Estimation& other) const {

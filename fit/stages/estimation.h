@@ -3,9 +3,12 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "fit/checks/explanations.h"
+#include "fit/checks/runs.h"
 #include "fit/estimate.h"
 #include "fit/minimum/multi_start.h"
 #include "fit/slides/between_slides.h"
@@ -57,7 +60,7 @@ class Estimation {
   double scatter_of_friction() const;
   /// Friction that differs from run to run, by the residuals of displacements at these values. It explains
   /// them unless they go with the setting, as under a law.
-  std::optional<Explanation> scatter_at(const Eigen::VectorXd& values) const;
+  std::optional<std::pair<Explanation, RunScatter>> scatter_at(const Eigen::VectorXd& values) const;
   /// As an explanation of another fit to the same runs.
   Explanation scatter_explained(const Estimation& other) const;
   /// Where the residuals exceed their sigma: scatter, correlated errors, robust weights.

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "fit/checks/runs.h"
-
 namespace tribotrack::fit::internal {
 
 namespace {
@@ -20,9 +18,10 @@ std::optional<ExplainedProblem> by_scatter(const Problem& problem, const Estimat
   constexpr std::size_t kMostMinima = 6;
   constexpr int kMostTimes = 4, kOwnErrors = 2;
   std::optional<ExplainedProblem> best;
-  const auto with_scatter = [&](double relative, const Eigen::VectorXd& values) {
+  const auto with_scatter = [&](double relative, bool together, const Eigen::VectorXd& values) {
     const auto of = [&](FitParameter parameter) { return fit.unknowns().value_of(parameter, values); };
-    Problem next = with_run_scatter(problem, relative, of(FitParameter::mu1), of(FitParameter::mu2));
+    Problem next =
+        with_run_scatter(problem, relative, together, of(FitParameter::mu1), of(FitParameter::mu2));
     for (const FitParameter parameter : problem.free) next.start[parameter] = of(parameter);
     return next;
   };
@@ -33,9 +32,10 @@ std::optional<ExplainedProblem> by_scatter(const Problem& problem, const Estimat
       z = minimise(rows, z).z;
     }
     const Eigen::VectorXd values = rows.unknowns().values(z);
-    auto found = fit.scatter_at(values);
-    if (!found || (best && found->chi2_fall <= best->found.chi2_fall)) return false;
-    best = ExplainedProblem{*found, with_scatter(0.01 * found->size, values), values};
+    const auto found = fit.scatter_at(values);
+    if (!found || (best && found->first.chi2_fall <= best->found.chi2_fall)) return false;
+    const auto& [explanation, scatter] = *found;
+    best = {explanation, with_scatter(scatter.relative, scatter.together, values), values};
     return true;
   };
   const auto rows_of = [&](const Unknowns& unknowns) {
@@ -44,7 +44,7 @@ std::optional<ExplainedProblem> by_scatter(const Problem& problem, const Estimat
     rows.set_own_errors(unknowns.first_guess());
     return rows;
   };
-  const Problem usual = with_scatter(kUsual, fit.values());
+  const Problem usual = with_scatter(kUsual, false, fit.values());
   const Unknowns unknowns(usual);
   Residuals rows = rows_of(unknowns);
   const std::vector<Minimum> minima = multi_start(rows, options).minima;
@@ -56,30 +56,31 @@ std::optional<ExplainedProblem> by_scatter(const Problem& problem, const Estimat
     Residuals there = rows_of(of_next);
     likelier = descend(there, of_next.z(best->values));
   }
-  return best && best->found.explains ? best : std::nullopt;
+  return best;
 }
 
 /// Takes friction that differs from run to run for the explanation, or for one as good, where it is likelier
 /// than what was found.
 void weigh_scatter(const Problem& problem, const Estimation& fit, const FitOptions& options,
                    Explained& result) {
-  constexpr double kNearly = 0.8;  ///< of the gain of what was found, to first order
+  constexpr double kBelow = 0.2, kAnyway = 20;  ///< of the gain of what was found; to first order
   const auto scatter =
       std::ranges::find(result.list, "run_scatter", [](const auto& e) { return e.found.name; });
   if (problem.counts_run_scatter() || problem.has_driven_tracks() || scatter == result.list.end() ||
       (result.quoted && result.quoted->under.size() > 1))
     return;
   const double known = result.quoted ? gain_of(result.list.front().found) : 0;
-  if (gain_of(scatter->found) < kNearly * known) return;
+  if (known - gain_of(scatter->found) > std::max(kBelow * known, kAnyway)) return;
   auto found = by_scatter(problem, fit, options);
   if (!found) return;
   result.list.erase(scatter);
   const double gain = gain_of(found->found);
   const auto place =
       std::ranges::find_if(result.list, [&](const auto& e) { return gain_of(e.found) < gain; });
-  if (result.quoted && gain < known + kPreferred) {
-    if (gain > known - kPreferred) result.quoted->as_good.push_back(found->found);
-    result.list.insert(std::max(place, result.list.begin() + 1), std::move(*found));
+  const bool explains = found->found.explains;
+  if (!explains || (result.quoted && gain < known + kPreferred)) {
+    if (explains && gain > known - kPreferred) result.quoted->as_good.push_back(found->found);
+    result.list.insert(result.quoted ? std::max(place, result.list.begin() + 1) : place, std::move(*found));
     return;
   }
   result.quoted = Quoted{found->problem, {sentence_of(found->found)}, {}};
@@ -117,7 +118,7 @@ Explained explain_tracks(const Problem& problem, const Estimation& fit, const Fi
   if (!problem.has_driven_tracks() || !fit.rejected()) return {};
   Quoted under{problem, {}, {}};
   const auto with_scatter = [&](double relative) {
-    return with_run_scatter(under.problem, relative, fit.roughly(FitParameter::mu1),
+    return with_run_scatter(under.problem, relative, false, fit.roughly(FitParameter::mu1),
                             fit.roughly(FitParameter::mu2));
   };
   const Problem ends = by_displacements(with_scatter(kUsual));
