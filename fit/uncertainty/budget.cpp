@@ -16,6 +16,7 @@ namespace {
 constexpr const char* kTracking = "tracking noise";
 constexpr const char* kShared = "errors common to frames";
 constexpr const char* kOwn = "gate and phase of single runs";
+constexpr const char* kFriction = "friction, gate and phase of single runs";
 constexpr const char* kScatter = "scatter between runs";
 constexpr const char* kSpin = "spin of slides";
 constexpr const char* kSlides = "differences between slides";
@@ -153,7 +154,7 @@ class Sources {
       const Eigen::Matrix2d measured = problem_.summary_runs[i].measured.covariance,
                             own = residuals_.own_error(i);
       add(kTracking, variance(measured), "the runs' own sds");
-      add(kOwn, variance(own), "lamp, trace, or marker of each run");
+      add_own(variance(own));
       add(kScatter, variance(all - measured - own), "residuals of the fit");
     }
   }
@@ -184,10 +185,16 @@ class Sources {
     add(kShared, all - noise, "tracks and their residuals");
   }
 
+  void add_own(const Eigen::VectorXd& variance) {
+    const bool friction = problem_.counts_run_scatter();
+    add(friction ? kFriction : kOwn, variance,
+        friction ? "how much runs differ" : "lamp, trace, or marker of each run");
+  }
+
   void add_nuisance(Nuisance kind, const Eigen::VectorXd& variance) {
     // A velocity is not known beforehand.
     if (kind == Nuisance::phase) add(kStartPhase, variance, "marker of each run");
-    if (kind == Nuisance::own) add(kOwn, variance, "lamp, trace, or marker of each run");
+    if (kind == Nuisance::own) add_own(variance);
     if (kind == Nuisance::spin) add(kSpin, variance, "angle seen in each slide");
     if (kind == Nuisance::deviation) add(kSlides, variance, "slides one by one");
   }
@@ -224,6 +231,8 @@ const char* advice(const BudgetEntry& entry) {
   if (source == kTracking) return "film more runs or more cycles, or the part larger in the picture";
   if (source == kShared) return "look at lens, light and focus, or film more runs";
   if (source == kOwn) return "film a gate lamp at a higher rate, or more cycles of it";
+  if (source == kFriction)
+    return "film more runs, or each several times, with part and platform cleaned alike";
   if (source == kScatter) return "repeat runs: they differ by more than tracking explains";
   if (source == kSlides) return "film more slides";
   if (source == kSpin) return "mark the part so that its turning is seen, or start it without spin";
