@@ -111,10 +111,9 @@ struct TrackOptions {
   int threads = 1;  ///< used on this recording; the result is the same for any number
   /// Frames of the work done and in all: the first of two passes counts for half.
   std::function<void(std::int64_t done, std::int64_t total)> progress;
-  DebugSink* debug = nullptr;  ///< kept only during track()
-  /// The recording's own numbers of the frames shown to `debug`. Empty: the first, middle and last frame in
-  /// which the part was found, and that with the largest residual.
-  std::vector<std::int64_t> debug_frames;
+  /// Kept only during track(). Sees the first, middle and last frame in which the part was found, and that
+  /// with the largest residual.
+  DebugSink* debug = nullptr;
   /// Throws std::invalid_argument naming the option.
   void validate() const;
 };

@@ -30,7 +30,7 @@ namespace tribotrack::apps {
 namespace {
 
 struct TrackCommandOptions {
-  std::string input, output, overlay, first_frame, debug, debug_frames;
+  std::string input, output, overlay, first_frame, debug;
   std::string campaign, run;                             ///< instead of an input and its choices
   std::map<std::string, std::optional<double>> numbers;  ///< of kTrackNumbers, by their flags
   TrackChoices choices;                                  ///< but for these
@@ -94,13 +94,7 @@ Recording recording_of(const TrackCommandOptions& options) {
   TrackChoices choices = options.choices;
   for (const TrackFlag& flag : kTrackNumbers)
     if (const auto& value = options.numbers.at(flag.flag)) choices.keys[flag.section][flag.key] = *value;
-  Recording recording = recording_of(options.input, choices);
-  if (!options.debug_frames.empty() && options.debug.empty())
-    throw UsageError("--debug-frames chooses frames for --debug DIR: give that, too");
-  if (!options.debug_frames.empty())
-    for (const std::string& part : parts_of(options.debug_frames, ','))
-      recording.options.debug_frames.push_back(frame_number("--debug-frames", part));
-  return recording;
+  return recording_of(options.input, choices);
 }
 
 /// Refuses the folder the recording's own pictures lie in: the debug pictures would become part of it.
@@ -249,7 +243,7 @@ void exclude_choices(CLI::App& command, CLI::Option& campaign) {
   for (const char* name :
        {"INPUT", "--fps", "--fps-reason", "--mm-per-px", "--tag-mm", "--disc-diameter-mm", "--chamfer-mm",
         "--calibration", "--height-mm", "--working-distance-mm", "--disc", "--template", "--marker", "--gate",
-        "--xi-axis-rad", "--layers", "--debug", "--debug-frames", "--config"})
+        "--xi-axis-rad", "--layers", "--debug", "--config"})
     campaign.excludes(command.get_option(name));
 }
 
@@ -308,10 +302,8 @@ void add_track(CLI::App& app, Context& context) {
              "The first frame in which the part is seen, as a reduced picture (.jpg)");
   add_option(command, "--debug", options->debug, "DIR",
              "Write a picture of every stage (window, template, weights, prediction, residual; disc, share "
-             "of the ground, and ground of the second pass) and index.txt into this folder");
-  add_option(command, "--debug-frames", options->debug_frames, "N,N,...",
-             "Image numbers of the frames that --debug shows (default: first, middle, last, and that with "
-             "the largest residual)");
+             "of the ground, and ground of the second pass) and index.txt into this folder: of the first, "
+             "middle and last of the --frames, and of that with the largest residual");
   add_option(
       command, "--config", options->choices.config, "C.toml",
       "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px");

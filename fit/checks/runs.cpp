@@ -179,13 +179,15 @@ Explanation scatter_of(double per_cent, std::size_t numbers) {
 
 Problem with_run_scatter(Problem problem, double relative, bool together, double mu1, double mu2) {
   const auto add = [&](const model::Friction& friction, OwnErrors& own) {
-    own.bent = kBent;
     own.add(model::Parameter::mu1, std::pow(relative * mu1, 2));
     if (!(friction.pulse_width > 0)) return;
     own.add(model::Parameter::mu2, std::pow(relative * mu2, 2));
     if (together) own.add(model::Parameter::mu1, model::Parameter::mu2, relative * relative * mu1 * mu2);
   };
-  for (SummaryRun& run : problem.summary_runs) add(run.scenario.friction, run.own);
+  for (SummaryRun& run : problem.summary_runs) {
+    add(run.scenario.friction, run.own);
+    run.own.bent = kBent;
+  }
   for (TrajectoryRun& run : problem.trajectory_runs)
     if (!run.free_slide) add(run.scenario.friction, run.own);
   return problem;

@@ -96,8 +96,8 @@ bool Problem::has_driven_tracks() const {
 }
 
 bool Problem::counts_run_scatter() const {
-  const auto bent = [](const auto& run) { return run.own.bent > 0; };
-  return std::ranges::any_of(summary_runs, bent) || std::ranges::any_of(trajectory_runs, bent);
+  const auto differs = [](const auto& run) { return run.own.sd(model::Parameter::mu1) > 0; };
+  return std::ranges::any_of(summary_runs, differs) || std::ranges::any_of(trajectory_runs, differs);
 }
 
 bool Problem::sets_free(FitParameter quantity) const {

@@ -54,15 +54,6 @@ void add(std::vector<ShownFrame>& shown, std::int64_t index, const char* why) {
     same->why += std::string(", ") + why;
 }
 
-std::size_t place_of(const Track& track, std::int64_t frame) {
-  const auto point = std::ranges::find(track.points, frame, &TrackPoint::frame);
-  if (point == track.points.end())
-    throw InputError(fmt::format(
-        "debug pictures of frame {} were requested, but frames {} to {} were analysed; choose among these",
-        frame, track.points.front().frame, track.points.back().frame));
-  return static_cast<std::size_t>(point - track.points.begin());
-}
-
 }  // namespace
 
 std::vector<ShownFrame> frames_to_show(const Track& track, const FirstPassResult& first,
@@ -73,19 +64,12 @@ std::vector<ShownFrame> frames_to_show(const Track& track, const FirstPassResult
   for (std::size_t k = 0; k < track.points.size(); ++k)
     if (track.points[k].status == TrackStatus::ok)
       seen.push_back(first.first_index + static_cast<std::int64_t>(k));
-  for (const std::int64_t frame : options.debug_frames) {
-    const std::size_t place = place_of(track, frame);
-    if (track.points[place].status == TrackStatus::ok)
-      add(shown, first.first_index + static_cast<std::int64_t>(place), "requested");
-  }
-  if (options.debug_frames.empty() && !seen.empty()) {
-    add(shown, seen.front(), "first");
-    add(shown, seen[seen.size() / 2], "middle");
-    add(shown, seen.back(), "last");
-    const auto worst = std::ranges::max_element(first.looks, {}, &PartLook::residual);
-    if (worst->residual > 0)
-      add(shown, first.first_index + (worst - first.looks.begin()), "largest residual");
-  }
+  if (seen.empty()) return shown;
+  add(shown, seen.front(), "first");
+  add(shown, seen[seen.size() / 2], "middle");
+  add(shown, seen.back(), "last");
+  const auto worst = std::ranges::max_element(first.looks, {}, &PartLook::residual);
+  if (worst->residual > 0) add(shown, first.first_index + (worst - first.looks.begin()), "largest residual");
   std::ranges::sort(shown, {}, &ShownFrame::index);
   return shown;
 }

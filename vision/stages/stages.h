@@ -115,7 +115,7 @@ struct ShownFrame {
   std::string why;
 };
 
-/// In order. None without TrackOptions::debug. Throws InputError where a requested frame was not analysed.
+/// In order. None without TrackOptions::debug.
 std::vector<ShownFrame> frames_to_show(const Track& track, const FirstPassResult& first,
                                        const TrackOptions& options);
 

@@ -116,7 +116,7 @@ class Keywords(ProgramTest):
     FOR_THE_SHELL = {"help", "quiet", "threads", "version", "json", "explain", "output"}
     # What only pictures on disk show, and what stands in place of a flag.
     NOT_HERE = {
-        "track": {"debug", "debug_frames", "first_frame", "campaign", "run", "tracks"},  # jobs of a workflow
+        "track": {"debug", "first_frame", "campaign", "run", "tracks"},  # jobs of a workflow
         "fit": {"require_all", "measurements"},
     }
     ONLY_HERE = {

@@ -97,18 +97,6 @@ TEST(DebugPictures, FramesAreTheFirstTheMiddleTheLastAndTheWorst) {
             1);
 }
 
-TEST(DebugPictures, RequestedFramesAreShownAndUnknownOnesRefused) {
-  Looked looked;
-  looked.scene.frames = 60;
-  looked.options.debug_frames = {7, 30};
-  looked.track_and_show();
-  EXPECT_TRUE(looked.shown.pictures.contains("window@7"));
-  EXPECT_TRUE(looked.shown.pictures.contains("layers_predicted@30"));
-  EXPECT_FALSE(looked.shown.pictures.contains("window@0"));
-  looked.options.debug_frames = {500};
-  EXPECT_THROW(looked.track_and_show(), InputError);
-}
-
 TEST(DebugPictures, LookingChangesNothing) {
   const TrackResult& shown = ordinary().result;
   SceneSource source(ordinary().scene);
