@@ -93,8 +93,10 @@ Lowest lowest_minimum(Residuals& residuals, const Search& search, int threads) {
     const Minimum other = minimise_linearised(there, linearised_start(there, search.minima[i].z));
     take(there, other, i);
   }
+  constexpr std::size_t kManyRuns = 64;  ///< whose kinks average out
   const auto doubtful = [&] {
-    return residuals.linear_in_conditions() && residuals.p_value(lowest.minimum.chi2) < kDoubt;
+    return residuals.linear_in_conditions() && unknowns.problem().summary_runs.size() < kManyRuns &&
+           residuals.p_value(lowest.minimum.chi2) < kDoubt;
   };
   const auto look_beyond = [&](const Eigen::VectorXd& z) {
     Residuals here = residuals, there = residuals;

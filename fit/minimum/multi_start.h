@@ -36,9 +36,9 @@ struct Lowest {
 };
 
 /// From the best minimum of the search, and from others that it has lower than what that leads to. Where p of
-/// chi^2 is below 0.05, from the best basins it screened as well, homed in: the search itself has
-/// displacements linear in the conditions; where these are far from what is known of them and errors are
-/// small it ends in a valley from which no descent leads out.
+/// chi^2 is below 0.05, and runs are so few that kinks of chi^2 do not average out, from the best basins it
+/// screened as well, homed in: the search itself has displacements linear in the conditions; where these are
+/// far from what is known of them and errors are small it ends in a valley from which no descent leads out.
 Lowest lowest_minimum(Residuals& residuals, const Search& search, int threads);
 
 /// The same campaign with what its driven tracks moved over whole cycles in their place: two numbers a run.
