@@ -171,8 +171,8 @@ struct Problem {
   std::vector<SummaryRun> summary_runs;
   std::vector<TrajectoryRun> trajectory_runs;
   bool fits(FitParameter parameter) const { return std::ranges::count(free, parameter) > 0; }
-  bool has_pulses() const;         ///< in a driven run
-  bool has_driven_tracks() const;  ///< trajectory runs that are no free slides
+  bool has_pulses() const;          ///< in a driven run
+  bool has_driven_tracks() const;   ///< trajectory runs that are no free slides
   bool counts_run_scatter() const;  ///< friction differs from run to run: an error of each run's own
   /// An explanation sets it free.
   bool sets_free(FitParameter quantity) const;
