@@ -80,7 +80,8 @@ void weigh_scatter(const Problem& problem, const Estimation& fit, const FitOptio
   const bool explains = found->found.explains;
   if (!explains || (result.quoted && gain < known + kPreferred)) {
     if (explains && gain > known - kPreferred) result.quoted->as_good.push_back(found->found);
-    result.list.insert(result.quoted ? std::max(place, result.list.begin() + 1) : place, std::move(*found));
+    const bool behind_first = result.quoted && !result.list.empty();
+    result.list.insert(behind_first ? std::max(place, result.list.begin() + 1) : place, std::move(*found));
     return;
   }
   result.quoted = Quoted{found->problem, {sentence_of(found->found)}, {}};
