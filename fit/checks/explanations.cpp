@@ -7,6 +7,7 @@
 #include <functional>
 #include <utility>
 
+#include "fit/checks/run_scatter.h"
 #include "fit/checks/runs.h"
 #include "fit/minimum/multi_start.h"
 #include "fit/rounding.h"

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "fit/checks/runs.h"
 #include "fit/checks/verdict.h"
 #include "fit/design/next_experiment.h"
 #include "fit/report/fill_result.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "fit/checks/explanations.h"
-#include "fit/checks/runs.h"
+#include "fit/checks/run_scatter.h"
 #include "fit/estimate.h"
 #include "fit/minimum/multi_start.h"
 #include "fit/slides/between_slides.h"

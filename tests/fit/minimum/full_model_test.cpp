@@ -64,15 +64,21 @@ void expect_derivative(const Residuals& residuals, const Eigen::VectorXd& values
       << to_string(residuals.unknowns().parameter(i));
 }
 
+/// Near the minimum of strong_stribeck(), under this law.
+Eigen::VectorXd values_under(const Unknowns& unknowns, double stribeck) {
+  Eigen::VectorXd values = unknowns.first_guess();
+  values.head<3>() << 0.105, 0.04, -0.08;
+  values(*unknowns.find(FitParameter::stribeck)) = stribeck;
+  return values;
+}
+
 // Under a strong law, too, derivatives by what is fitted are those of the displacements under it.
 TEST(FullModel, DerivativesAreThoseUnderTheLaw) {
   const Problem problem = strong_stribeck();
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   residuals.set_tolerance(1e-9);
-  Eigen::VectorXd values = unknowns.first_guess();
-  values.head<3>() << 0.105, 0.04, -0.08;
-  values(*unknowns.find(FitParameter::stribeck)) = 0.45;
+  const Eigen::VectorXd values = values_under(unknowns, 0.45);
   for (Eigen::Index i = 0; i < 3; ++i)  // motion jumps elsewhere
     expect_derivative(residuals, values, i, 0.002 * std::abs(values(i)), 0.1);
 }
@@ -99,9 +105,7 @@ TEST(FullModel, DerivativesOfTracksAreThoseUnderTheLaw) {
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   residuals.set_tolerance(1e-10);
-  Eigen::VectorXd values = unknowns.first_guess();
-  values.head<3>() << 0.105, 0.04, -0.08;
-  values(*unknowns.find(FitParameter::stribeck)) = 0.2;
+  Eigen::VectorXd values = values_under(unknowns, 0.2);
   values(*unknowns.find(FitParameter::gate_edges)) = 0.01;
   const Eigen::VectorXd units = unknowns.natural_units(values);
   for (Eigen::Index i = 0; i < unknowns.common(); ++i)
