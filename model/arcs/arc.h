@@ -81,12 +81,8 @@ struct ArcColumns {
       {};  ///< out if kept: by how much U/|U| turns at the nodes
 };
 
-/// Solves the arc. `columns` may be null.
-using ArcSolver = void (*)(const GaussTable& table, const ArcInput& in, ArcOutput& out, ArcColumns* columns);
-
-/// The solvers for 3 and for 7 pairs.
-struct ArcSolvers {
-  ArcSolver few = nullptr, many = nullptr;
-};
+/// Solves the arc: by 3 pairs of nodes, or by 7. `columns` may be null.
+using ArcSolver = void(const GaussTable& table, const ArcInput& in, ArcOutput& out, ArcColumns* columns);
+ArcSolver solve_arc_few, solve_arc_many;
 
 }  // namespace tribotrack::model::internal

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "model/processor/kernels.h"
+#include "model/arcs/arc.h"
 
 namespace tribotrack::model::internal {
 
@@ -103,7 +103,7 @@ class ArcStepper {
   const ScaledDrive<T>& drive_;
   double tolerance_;
   const GaussTable& table_;
-  ArcSolver solver_;
+  ArcSolver* solver_;
   double growth_;     ///< of the truncation error when an arc is made kLonger times as long
   double shrinking_;  ///< of an arc by its error
   double first_arc_;  ///< as long as arcs usually can be
@@ -130,7 +130,7 @@ ArcStepper<T>::ArcStepper(const ScaledDrive<T>& drive, double tolerance, bool ke
     : drive_(drive),
       tolerance_(tolerance),
       table_(GaussTable::of_pairs(tolerance >= kFewNodesTolerance && !keep ? 3 : 7)),
-      solver_(table_.pairs == 3 ? kernels().arcs.few : kernels().arcs.many),
+      solver_(table_.pairs == 3 ? solve_arc_few : solve_arc_many),
       growth_(std::pow(kLonger, keep ? 2 * table_.pairs : 4 * table_.pairs + 1)),
       shrinking_(1.0 / (keep ? 2 * table_.pairs : 4 * table_.pairs + 1)),
       first_arc_(std::fmin(

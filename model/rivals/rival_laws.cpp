@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "model/processor/kernels.h"
+#include "model/rivals/rival_step.h"
 
 namespace tribotrack::model {
 namespace {
@@ -135,7 +135,7 @@ class Equation {
 class Integration {
  public:
   Integration(const Scenario& scenario, std::span<const RivalLaw> laws, double tolerance)
-      : f_(scenario, laws), step_(kernels().rival_step) {
+      : f_(scenario, laws) {
     const double platform = std::max(scenario.drive.amplitude, scenario.drive.amplitude_y);
     const double own = scenario.initial_velocity.norm();
     const double length = platform > 0 ? platform : own * scenario.end_time();
@@ -257,10 +257,10 @@ class Integration {
       if (++steps_ > kMaxSteps) throw InvalidParameter("a rival friction law needs too many steps");
       const bool ends = t_ + h >= until || until - t_ - h < 1e-3 * h;
       in_.h = ends ? until - t_ : h;
-      for (int i = 1; i < 5; ++i) in_.drive[i] = f_.drive(t_ + Rodas::kTimes[i] * in_.h);
+      for (int i = 1; i < 5; ++i) in_.drive[i] = f_.drive(t_ + kRivalTimes[i] * in_.h);
       RivalMotion next;
       double error = 0;
-      step_(in_, next, error);
+      take_rival_step(in_, next, error);
       const double factor = error > 0 ? 0.9 / std::sqrt(std::sqrt(error)) : 5;
       if (error <= 1) {
         before_ = in_.from;
@@ -289,7 +289,6 @@ class Integration {
 
   static constexpr int kScans = 720;  ///< a turn: looks at whether the drive exceeds friction
   Equation f_;
-  RivalStepper step_;
   RivalStepInput in_;
   RivalMotion before_;
   std::array<double, kRivalLanes> released_{};  ///< s, of lanes at rest: when they will start

@@ -6,7 +6,6 @@
 
 #include "model/laws.h"
 #include "model/laws_cycles.h"
-#include "model/processor/instruction_set.h"
 #include "model/random_scenario.h"
 #include "model/trajectory.h"
 
@@ -88,36 +87,25 @@ class Laws : public testing::Test {
   void SetUp() override { std::cout << "seed " << seed << '\n'; }
 };
 
-/// Every way to integrate that is offered to users: dense or not, with repeating cycles or without, in each
-/// instruction set.
+/// Every way to integrate that is offered to users: dense or not, with repeating cycles or without.
 TEST_F(Laws, HoldHoweverIntegrated) {
-  const auto best = internal::instruction_set();
-  for (const auto set : internal::available_instruction_sets())
-    for (const bool dense : {true, false})
-      for (const bool reuse : {true, false}) {
-        SCOPED_TRACE(std::string(internal::to_string(set)) + (dense ? ", dense" : "") +
-                     (reuse ? ", reuse" : ""));
-        internal::use_instruction_set(set);
-        IntegrationOptions how;
-        how.dense = dense;
-        how.reuse_repeating_cycles = reuse;
-        const int compared = expect_laws(seed, set == best && dense && reuse ? 30 : 8, how);
-        EXPECT_GT(compared, dense ? 200 : -1);
-      }
-  internal::use_instruction_set(best);
+  for (const bool dense : {true, false})
+    for (const bool reuse : {true, false}) {
+      SCOPED_TRACE(std::string(dense ? "dense" : "ends") + (reuse ? ", reuse" : ""));
+      IntegrationOptions how;
+      how.dense = dense;
+      how.reuse_repeating_cycles = reuse;
+      const int compared = expect_laws(seed, dense && reuse ? 30 : 8, how);
+      EXPECT_GT(compared, dense ? 200 : -1);
+    }
 }
 
 TEST_F(Laws, Rotation) {
   RandomScenario random(seed + 1);
-  const auto best = internal::instruction_set();
-  for (const auto set : internal::available_instruction_sets()) {
-    internal::use_instruction_set(set);
-    for (const Scenario& s : scenarios(seed, 20)) {
-      SCOPED_TRACE("m/a = " + std::to_string(friction_over_drive(s)));
-      laws::rotation(s, random.uniform(-4, 4), 1e-11);
-    }
+  for (const Scenario& s : scenarios(seed, 20)) {
+    SCOPED_TRACE("m/a = " + std::to_string(friction_over_drive(s)));
+    laws::rotation(s, random.uniform(-4, 4), 1e-11);
   }
-  internal::use_instruction_set(best);
 }
 
 TEST_F(Laws, WeakPulsesInTheLimit) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/processor/instruction_set.h"
 #include "model/quad_reference.h"
 #include "model/trajectory.h"
 
@@ -47,23 +46,18 @@ inline double error_against_reference(const Scenario& s) {
 }
 
 /// The largest error of the end point from rest over every way to integrate that is offered to users: dense
-/// or not, with repeating cycles or without, in each instruction set.
+/// or not, with repeating cycles or without.
 inline double largest_error_against_reference(const Scenario& s) {
   const QuadState exact = QuadIntegrator(QuadScenario(s)).run(false);
   const double size = path_size(integrate(s));
-  const auto best = internal::instruction_set();
   double largest = 0;
-  for (const auto set : internal::available_instruction_sets()) {
-    internal::use_instruction_set(set);
-    for (const bool dense : {true, false})
-      for (const bool reuse : {true, false}) {
-        IntegrationOptions how;
-        how.dense = dense;
-        how.reuse_repeating_cycles = reuse;
-        largest = std::max(largest, distance(integrate(s, how), exact) / size);
-      }
-  }
-  internal::use_instruction_set(best);
+  for (const bool dense : {true, false})
+    for (const bool reuse : {true, false}) {
+      IntegrationOptions how;
+      how.dense = dense;
+      how.reuse_repeating_cycles = reuse;
+      largest = std::max(largest, distance(integrate(s, how), exact) / size);
+    }
   return largest;
 }
 

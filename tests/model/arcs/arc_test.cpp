@@ -1,79 +1,20 @@
-// The collocated arcs: instruction sets, dense output inside them, tolerances.
+// The collocated arcs: dense output inside them, tolerances.
 #include "model/arcs/arc.h"
 
 #include <gtest/gtest.h>
 
-#include <iostream>
-#include <random>
-
 #include "model/laws.h"
-#include "model/processor/instruction_set.h"
-#include "model/random_scenario.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::model {
 namespace {
 
-using internal::InstructionSet;
 using laws::kPi;
 
 Scenario reference_run() {
   Scenario s;
   s.friction = {0.1, 0.0125, 0.5, kPi / 2, 0};
   return s;
-}
-
-/// Scenarios of every kind, some sticking, some not.
-std::vector<Scenario> scenarios(unsigned seed, int count) {
-  RandomScenario random(seed);
-  std::vector<Scenario> all = {reference_run()};
-  for (int i = 0; i < count; ++i) {
-    all.push_back(random.circular());
-    all.push_back(random.general());
-  }
-  return all;
-}
-
-double size_of(const Scenario& s, const Eigen::Vector2d& x) {
-  return std::max({x.norm(), s.drive.amplitude, s.drive.amplitude_y});
-}
-
-/// Puts the instruction set back.
-struct WithSet {
-  explicit WithSet(InstructionSet set) { internal::use_instruction_set(set); }
-  ~WithSet() { internal::use_instruction_set(before); }
-  WithSet(const WithSet&) = delete;
-  WithSet& operator=(const WithSet&) = delete;
-  InstructionSet before = internal::instruction_set();
-};
-
-TEST(Arc, InstructionSetsAgree) {
-  const std::vector<Parameter> all = {Parameter::mu1,         Parameter::mu2,         Parameter::lag,
-                                      Parameter::phi,         Parameter::dtau,        Parameter::amplitude,
-                                      Parameter::amplitude_y, Parameter::phase_shift, Parameter::gravity};
-  for (const Scenario& s : scenarios(20210, 10))
-    for (const size_t derivatives : {0, 3, 8, 9})
-      for (const double tolerance : {1e-16, 1e-5}) {
-        IntegrationOptions options;
-        options.tolerance = tolerance;
-        options.dense = false;
-        options.derivatives.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(derivatives));
-        const auto end = [&](InstructionSet set) {
-          const WithSet with(set);
-          return integrate(s, options).sensitive_end();
-        };
-        const SensitiveSample plain = end(InstructionSet::baseline);
-        for (const InstructionSet set : internal::available_instruction_sets()) {
-          SCOPED_TRACE(to_string(set));
-          const SensitiveSample other = end(set);
-          EXPECT_LT((other.sample.position - plain.sample.position).norm(),
-                    1e-12 * size_of(s, plain.sample.position));
-          for (Eigen::Index j = 0; j < plain.position_jacobian.cols(); ++j) {
-            const Eigen::Vector2d a = plain.position_jacobian.col(j), b = other.position_jacobian.col(j);
-            EXPECT_LE((a - b).norm(), 1e-10 * a.norm() + 1e-12 * size_of(s, plain.sample.position)) << j;
-          }
-        }
-      }
 }
 
 TEST(Arc, OnlyTheEndIsKnownOfARunThatIsNotDense) {

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "model/laws.h"
-#include "model/processor/instruction_set.h"
 #include "model/random_scenario.h"
 
 namespace tribotrack::model {
@@ -112,27 +111,23 @@ TEST(SteadyOrbit, ComesBackAfterACycle) {
         scenarios.push_back(reference_run());
         scenarios.back().friction = {mu, mu / ratio, 0, width, 0};
       }
-  const auto best = internal::instruction_set();
-  for (const auto set : internal::available_instruction_sets())
-    for (const Scenario& s : scenarios) {
-      internal::use_instruction_set(set);
-      const auto orbit = steady_orbit(s);
-      internal::use_instruction_set(best);
-      SCOPED_TRACE("mu1 " + std::to_string(s.friction.nominal) + " mu2 " +
-                   std::to_string(s.friction.reduced) + " dtau " + std::to_string(s.friction.pulse_width) +
-                   " A_y/A " + std::to_string(s.drive.amplitude_y / s.drive.amplitude));
-      if (!orbit && s.drive.tilt_x * s.drive.tilt_y != 0) continue;  // tilted beyond the friction angle
-      ASSERT_TRUE(orbit);
-      const double speed = laws::drive_amplitude(s) / s.drive.angular_frequency;
-      const Sample end = after_a_cycle(s, orbit->velocity);
-      EXPECT_EQ(orbit->phase, s.start_phase);
-      EXPECT_LT((end.velocity - orbit->velocity).norm(), 1e-12 * speed);
-      EXPECT_LT((end.position - orbit->drift).norm(), 2e-12 * s.drive.amplitude);
-      EXPECT_LT(orbit->newton_iterations, 40);
-      if (orbit->contraction > 0) {
-        EXPECT_NEAR(orbit->contraction, contraction_by_differences(s, orbit->velocity, 1e-5 * speed), 1e-3);
-      }
+  for (const Scenario& s : scenarios) {
+    const auto orbit = steady_orbit(s);
+    SCOPED_TRACE("mu1 " + std::to_string(s.friction.nominal) + " mu2 " + std::to_string(s.friction.reduced) +
+                 " dtau " + std::to_string(s.friction.pulse_width) + " A_y/A " +
+                 std::to_string(s.drive.amplitude_y / s.drive.amplitude));
+    if (!orbit && s.drive.tilt_x * s.drive.tilt_y != 0) continue;  // tilted beyond the friction angle
+    ASSERT_TRUE(orbit);
+    const double speed = laws::drive_amplitude(s) / s.drive.angular_frequency;
+    const Sample end = after_a_cycle(s, orbit->velocity);
+    EXPECT_EQ(orbit->phase, s.start_phase);
+    EXPECT_LT((end.velocity - orbit->velocity).norm(), 1e-12 * speed);
+    EXPECT_LT((end.position - orbit->drift).norm(), 2e-12 * s.drive.amplitude);
+    EXPECT_LT(orbit->newton_iterations, 40);
+    if (orbit->contraction > 0) {
+      EXPECT_NEAR(orbit->contraction, contraction_by_differences(s, orbit->velocity, 1e-5 * speed), 1e-3);
     }
+  }
 }
 
 TEST(SteadyOrbit, NoneWithoutFriction) {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <vector>
 
-#include "model/processor/instruction_set.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::model {
@@ -22,7 +21,7 @@ TEST(RivalLaws, WithoutStrengthAllAreThePapersLaw) {
   }
 }
 
-// Laws that stop and start the part at other times, side by side in every instruction set, are each as alone.
+// Laws that stop and start the part at other times, side by side, are each as alone.
 TEST(RivalLaws, SideBySideEachIsAsAlone) {
   const std::vector<RivalLaw> laws{{},
                                    {.stribeck = 0.3},
@@ -31,22 +30,17 @@ TEST(RivalLaws, SideBySideEachIsAsAlone) {
                                    {.mu2_speed = 0.5},
                                    {.static_friction = 0.04},
                                    {.stribeck = -0.2, .viscous = -1, .rise = 5e-3}};
-  const internal::InstructionSet in_use = internal::instruction_set();
   for (const double mu1 : {0.06, 0.1, 0.1124, 0.15}) {
     Scenario scenario;
     scenario.friction = {mu1, mu1 / 6, 0.4, 1.3, 0.2};
     scenario.drive.tilt_x = 0.003;
     scenario.cycles = 12;
-    for (const internal::InstructionSet set : internal::available_instruction_sets()) {
-      internal::use_instruction_set(set);
-      const Eigen::Matrix2Xd together = rival_displacements(scenario, laws, 1e-9);
-      for (std::size_t i = 0; i < laws.size(); ++i) {
-        const Eigen::Vector2d alone = rival_displacement(scenario, laws[i], 1e-10);
-        EXPECT_LT((together.col(i) - alone).norm(), 1e-7 * alone.norm() + 1e-12)
-            << "mu1 = " << mu1 << ", law " << i << ", " << internal::to_string(set);
-      }
+    const Eigen::Matrix2Xd together = rival_displacements(scenario, laws, 1e-9);
+    for (std::size_t i = 0; i < laws.size(); ++i) {
+      const Eigen::Vector2d alone = rival_displacement(scenario, laws[i], 1e-10);
+      EXPECT_LT((together.col(i) - alone).norm(), 1e-7 * alone.norm() + 1e-12)
+          << "mu1 = " << mu1 << ", law " << i;
     }
-    internal::use_instruction_set(in_use);
   }
   EXPECT_THROW(rival_displacements(Scenario{}, {}), InvalidParameter);
 }

@@ -1,14 +1,13 @@
-// The collocation of an arc, for whichever instruction set the including file is compiled for.
-#pragma once
-
+// The collocation of an arc.
 #include "model/arcs/arc.h"
-#include "model/processor/lanes.h"
+#include "model/equation/lanes.h"
 
 namespace tribotrack::model::internal {
+namespace {
 
 /// cos and sin of |t| <= 1.05 to rounding.
-template <class Set, class V>
-[[gnu::always_inline]] inline void cos_sin(const V& t, V& cosine, V& sine) {
+template <class V>
+TRIBOTRACK_KERNEL void cos_sin(const V& t, V& cosine, V& sine) {
   const V z = t * t;
   constexpr double kCos[] = {1. / 2,
                              1. / 24,
@@ -33,36 +32,35 @@ template <class Set, class V>
 
 /// U at the nodes solves U_i = W_i - kappa h sum_j a_ij n_j, n = U/|U|, W = start + integral of the drive
 /// (exact). Picard sweeps: each brings a factor of about (kappa h/|U|)/(number of the sweep).
-template <class Set, int L>
+template <int L>
 struct ArcKernel {
   using V = Lanes<L>;
-  using Math = LaneMath<Set, L>;
   static constexpr int kPairs = L - 1, kNodes = 2 * kPairs;
   /// Share of the last Legendre coefficient that the velocity between the nodes is off by.
   static constexpr double kWithin = 0.02;
   static constexpr int kMaxSweeps = 48, kSweepsToGain = 16;
 
-  [[gnu::always_inline]] static void direction(const V& x, const V& y, V& nx, V& ny, V& square, V& inverse) {
+  TRIBOTRACK_KERNEL void direction(const V& x, const V& y, V& nx, V& ny, V& square, V& inverse) {
     square = x * x + y * y;
-    inverse = 1.0 / Math::sqrt(square);
+    inverse = 1.0 / root(square);
     nx = x * inverse;
     ny = y * inverse;
   }
 
   /// Lanes into ascending order.
-  [[gnu::always_inline]] static void take(double* to, const V& front, const V& mirror) {
+  TRIBOTRACK_KERNEL void take(double* to, const V& front, const V& mirror) {
     for (int i = 0; i < kPairs; ++i) {
       to[i] = front[i];
       to[kNodes - 1 - i] = mirror[i];
     }
   }
 
-  static void solve(const GaussTable& g, const ArcInput& in, ArcOutput& out, ArcColumns* columns) {
+  TRIBOTRACK_KERNEL void solve(const GaussTable& g, const ArcInput& in, ArcOutput& out, ArcColumns* columns) {
     const double h = in.span;
-    const V cf = Math::load(g.front), cm = Math::load(g.mirror);
+    const V cf = load<V>(g.front), cm = load<V>(g.mirror);
     // Integrals of cos and sin from the start -h/2 to the nodes.
     V cos_f, sin_f;
-    cos_sin<Set>(V(cf * h - 0.5 * h), cos_f, sin_f);
+    cos_sin(V(cf * h - 0.5 * h), cos_f, sin_f);
     const double S = sin_f[kPairs], C = cos_f[kPairs];
     // cos is even, sin odd about the middle.
     const V int_cos_f = sin_f + S, int_cos_m = S - sin_f, int_sin = C - cos_f;
@@ -75,10 +73,10 @@ struct ArcKernel {
     // First guess: friction acts as in the cycle before, or the velocity turns with the drive.
     V ux_f, uy_f, ux_m, uy_m;
     if (in.traced) {
-      ux_f = wx_f + pull * Math::load(in.trace->front_x);
-      uy_f = wy_f + pull * Math::load(in.trace->front_y);
-      ux_m = wx_m + pull * Math::load(in.trace->mirror_x);
-      uy_m = wy_m + pull * Math::load(in.trace->mirror_y);
+      ux_f = wx_f + pull * load<V>(in.trace->front_x);
+      uy_f = wy_f + pull * load<V>(in.trace->front_y);
+      ux_m = wx_m + pull * load<V>(in.trace->mirror_x);
+      uy_m = wy_m + pull * load<V>(in.trace->mirror_y);
     } else {
       const double speed = __builtin_sqrt(in.velocity.x * in.velocity.x + in.velocity.y * in.velocity.y);
       const double turn = in.p.x * in.q.y - in.p.y * in.q.x > 0 ? 1 : -1;
@@ -98,14 +96,14 @@ struct ArcKernel {
     while (true) {
       direction(ux_f, uy_f, nx_f, ny_f, square_f, inverse_f);
       direction(ux_m, uy_m, nx_m, ny_m, square_m, inverse_m);
-      Math::store(nx_f + nx_m, even_x);
-      Math::store(ny_f + ny_m, even_y);
-      Math::store(nx_f - nx_m, odd_x);
-      Math::store(ny_f - ny_m, odd_y);
+      store(nx_f + nx_m, even_x);
+      store(ny_f + ny_m, even_y);
+      store(nx_f - nx_m, odd_x);
+      store(ny_f - ny_m, odd_y);
       V px{}, py{}, qx{}, qy{};
 #pragma GCC unroll 8
       for (int j = 0; j < kPairs; ++j) {
-        const V e = Math::load(g.even[j]), o = Math::load(g.odd[j]);
+        const V e = load<V>(g.even[j]), o = load<V>(g.odd[j]);
         px += e * even_x[j];
         py += e * even_y[j];
         qx += o * odd_x[j];
@@ -131,23 +129,21 @@ struct ArcKernel {
           left_f * left_f * (dx_f * dx_f + dy_f * dy_f) + left_m * left_m * (dx_m * dx_m + dy_m * dy_m);
       const double allowed =
           __builtin_fmax(0.5 * in.tolerance * (sweep + 1) * (sweep + 2) / (pull * pull), in.rounding);
-      out.converged = Math::all_below(moved, allowed * allowed);
+      out.converged = all_below(moved, allowed * allowed);
       // By now sweeps that will get there gain by the sweep.
-      if (sweep == kSweepsToGain &&
-          !(Math::all_below(moved * square_f, 0.01) && Math::all_below(moved * square_m, 0.01)))
+      if (sweep == kSweepsToGain && !(all_below(moved * square_f, 0.01) && all_below(moved * square_m, 0.01)))
         break;
     }
     out.velocity = {wx_f[kPairs] + pull * ix_f[kPairs], wy_f[kPairs] + pull * iy_f[kPairs]};
-    const V moment_f = Math::load(g.moment_front), moment_m = Math::load(g.moment_mirror);
-    const double mx = Math::sum(moment_f * nx_f + moment_m * nx_m),
-                 my = Math::sum(moment_f * ny_f + moment_m * ny_m);
+    const V moment_f = load<V>(g.moment_front), moment_m = load<V>(g.moment_mirror);
+    const double mx = sum(moment_f * nx_f + moment_m * nx_m), my = sum(moment_f * ny_f + moment_m * ny_m);
     // int_0^h of the drive's integrals
     const double along = S * h, turned = C * h - 2 * S, half = 0.5 * h * h;
     out.displacement = {
         h * in.velocity.x + in.p.x * along + in.q.x * turned + in.constant.x * half + pull * h * mx,
         h * in.velocity.y + in.p.y * along + in.q.y * turned + in.constant.y * half + pull * h * my};
-    const V tail_f = Math::load(g.tail_front), tail_m = Math::load(g.tail_mirror);
-    const double tx = Math::sum(tail_f * nx_f + tail_m * nx_m), ty = Math::sum(tail_f * ny_f + tail_m * ny_m);
+    const V tail_f = load<V>(g.tail_front), tail_m = load<V>(g.tail_mirror);
+    const double tx = sum(tail_f * nx_f + tail_m * nx_m), ty = sum(tail_f * ny_f + tail_m * ny_m);
     const double tail = __builtin_fabs(tx) + __builtin_fabs(ty);
     const V least = square_f < square_m ? square_f : square_m;
     double slowest = least[0];
@@ -157,10 +153,10 @@ struct ArcKernel {
     out.error = in.kappa * h * (in.keep ? kWithin * tail : tail * tail) / out.slowest;
     out.accepted = out.converged && out.error <= in.resolution && out.slowest >= in.slowest;
     if (in.trace && out.converged) {
-      Math::store(ix_f, in.trace->front_x);
-      Math::store(iy_f, in.trace->front_y);
-      Math::store(ix_m, in.trace->mirror_x);
-      Math::store(iy_m, in.trace->mirror_y);
+      store(ix_f, in.trace->front_x);
+      store(iy_f, in.trace->front_y);
+      store(ix_m, in.trace->mirror_x);
+      store(iy_m, in.trace->mirror_y);
     }
     if (in.keep) {
       take(out.direction_x, nx_f, nx_m);
@@ -176,7 +172,7 @@ struct ArcKernel {
       take(solution.iy, iy_f, iy_m);
       take(solution.cosines, int_cos_f, int_cos_m);
       take(solution.sines, int_sin, int_sin);
-      take(solution.speed, Math::sqrt(square_f), Math::sqrt(square_m));
+      take(solution.speed, root(square_f), root(square_m));
       solution.end_x = ix_f[kPairs];
       solution.end_y = iy_f[kPairs];
       solution.moment_x = mx;
@@ -205,12 +201,11 @@ struct ArcKernel {
   ///   |U_i| y_i + kappa h sum_j a_ij (n_i.n_j) y_j = e_i.(dW_i - h dkappa sum_j a_ij n_j),
   /// a small linear system for all columns at once.
   template <int C>
-  static void differentiate(const GaussTable& g, const ArcInput& in, const Solution& u, ArcColumns& d) {
+  TRIBOTRACK_KERNEL void differentiate(const GaussTable& g, const ArcInput& in, const Solution& u,
+                                       ArcColumns& d) {
     constexpr int kWidth = C < 8 ? C : 8, kParts = C / kWidth;
     constexpr int kStride = kNodes <= 8 ? 8 : 16;
     using Part = Lanes<kWidth>;
-    using RowMath = LaneMath<Set, 8>;
-    using PartMath = LaneMath<Set, kWidth>;
     const double h = in.span;
     alignas(64) double nx[kStride] = {}, ny[kStride] = {}, matrix[kNodes][kStride], inverse[kNodes];
     Part y[kNodes][kParts];
@@ -221,14 +216,16 @@ struct ArcKernel {
     for (int i = 0; i < kNodes; ++i) {
       const double kx = in.kappa * h * nx[i], ky = in.kappa * h * ny[i];
       for (int j = 0; j < kStride; j += 8)
-        RowMath::store(
-            RowMath::load(g.integrate[i] + j) * (kx * RowMath::load(nx + j) + ky * RowMath::load(ny + j)),
+        store(
+            load<Lanes<8>>(g.integrate[i] + j) * (kx * load<Lanes<8>>(nx + j) + ky * load<Lanes<8>>(ny + j)),
             matrix[i] + j);
       matrix[i][i] += u.speed[i];
       const double ex = -ny[i], ey = nx[i], friction = h * (ex * u.ix[i] + ey * u.iy[i]);
       for (int k = 0; k < kParts; ++k) {
         const int at = k * kWidth;
-        const auto part = [at](const double* row) { return PartMath::load(row + at); };
+        const auto part = [at](const double* row) __attribute__((always_inline)) {
+          return load<Part>(row + at);
+        };
         y[i][k] = ex * part(d.velocity.x) + ey * part(d.velocity.y) - friction * part(d.kappa);
         if (d.drive_varies) {
           const double t = h * g.node[i], c = u.cosines[i], s = u.sines[i];
@@ -243,7 +240,7 @@ struct ArcKernel {
       for (int i = k + 1; i < kNodes; ++i) {
         const double factor = matrix[i][k] * inverse[k];
         for (int j = (k + 1) & ~7; j < kStride; j += 8)
-          RowMath::store(RowMath::load(matrix[i] + j) - factor * RowMath::load(matrix[k] + j), matrix[i] + j);
+          store(load<Lanes<8>>(matrix[i] + j) - factor * load<Lanes<8>>(matrix[k] + j), matrix[i] + j);
         for (int c = 0; c < kParts; ++c) y[i][c] -= factor * y[k][c];
       }
     }
@@ -254,7 +251,7 @@ struct ArcKernel {
     }
     if (in.keep)
       for (int i = 0; i < kNodes; ++i)
-        for (int c = 0; c < kParts; ++c) PartMath::store(y[i][c], d.turn[i] + c * kWidth);
+        for (int c = 0; c < kParts; ++c) store(y[i][c], d.turn[i] + c * kWidth);
     const double S = u.sine, half_cosine = u.cosine, kappa_h = in.kappa * h;
     for (int c = 0; c < kParts; ++c) {
       Part vx{}, vy{}, mx{}, my{};
@@ -266,27 +263,39 @@ struct ArcKernel {
         my += (m * nx[i]) * y[i][c];
       }
       const int at = c * kWidth;
-      const Part ux = PartMath::load(d.velocity.x + at), uy = PartMath::load(d.velocity.y + at),
-                 dk = PartMath::load(d.kappa + at);
+      const Part ux = load<Part>(d.velocity.x + at), uy = load<Part>(d.velocity.y + at),
+                 dk = load<Part>(d.kappa + at);
       Part end_x = ux - (h * u.end_x) * dk - kappa_h * vx, end_y = uy - (h * u.end_y) * dk - kappa_h * vy;
       Part moved_x = h * ux - (h * h * u.moment_x) * dk - (h * kappa_h) * mx;
       Part moved_y = h * uy - (h * h * u.moment_y) * dk - (h * kappa_h) * my;
       if (d.drive_varies) {
         const double along = S * h, turned = half_cosine * h - 2 * S, half = 0.5 * h * h;
-        const Part cx = PartMath::load(d.constant.x + at), cy = PartMath::load(d.constant.y + at),
-                   px = PartMath::load(d.p.x + at), py = PartMath::load(d.p.y + at),
-                   qx = PartMath::load(d.q.x + at), qy = PartMath::load(d.q.y + at);
+        const Part cx = load<Part>(d.constant.x + at), cy = load<Part>(d.constant.y + at),
+                   px = load<Part>(d.p.x + at), py = load<Part>(d.p.y + at), qx = load<Part>(d.q.x + at),
+                   qy = load<Part>(d.q.y + at);
         end_x += h * cx + (2 * S) * px;
         end_y += h * cy + (2 * S) * py;
         moved_x += half * cx + along * px + turned * qx;
         moved_y += half * cy + along * py + turned * qy;
       }
-      PartMath::store(end_x, d.velocity.x + at);
-      PartMath::store(end_y, d.velocity.y + at);
-      PartMath::store(moved_x, d.displacement.x + at);
-      PartMath::store(moved_y, d.displacement.y + at);
+      store(end_x, d.velocity.x + at);
+      store(end_y, d.velocity.y + at);
+      store(moved_x, d.displacement.x + at);
+      store(moved_y, d.displacement.y + at);
     }
   }
 };
+
+}  // namespace
+
+TRIBOTRACK_CLONES void solve_arc_few(const GaussTable& g, const ArcInput& in, ArcOutput& out,
+                                     ArcColumns* columns) {
+  ArcKernel<4>::solve(g, in, out, columns);
+}
+
+TRIBOTRACK_CLONES void solve_arc_many(const GaussTable& g, const ArcInput& in, ArcOutput& out,
+                                      ArcColumns* columns) {
+  ArcKernel<8>::solve(g, in, out, columns);
+}
 
 }  // namespace tribotrack::model::internal
