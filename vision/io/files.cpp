@@ -75,6 +75,15 @@ void MappedFile::require_unshrunk() const {
            size_, status.st_size);
 }
 
+void MappedFile::done_with(std::uint64_t length) {
+  require_unshrunk();
+  constexpr std::uint64_t kMostHeld = 128 << 20;
+  held_ += length;
+  if (held_ < kMostHeld) return;
+  ::madvise(const_cast<std::uint8_t*>(data_), size_, MADV_DONTNEED);
+  held_ = 0;
+}
+
 void require_sensible_size(const std::filesystem::path& file, std::int64_t width, std::int64_t height) {
   const bool sides = width > 0 && height > 0 && width <= kLongestSide && height <= kLongestSide;
   if (sides && width * height <= kMostPixels) return;

@@ -58,14 +58,19 @@ class MappedFile {
   /// The same after require_unshrunk() has just been called.
   std::span<const std::uint8_t> bytes_unasked(std::uint64_t offset, std::uint64_t length,
                                               std::string_view what) const;
-  /// Throws InputError when the file has shrunk: to be called after copying, which would have read zeros.
+  /// Throws InputError when the file has shrunk.
   void require_unshrunk() const;
+  /// To be called after `length` bytes were copied. Throws InputError when the file has shrunk meanwhile:
+  /// zeros would have been read. What was read stays in the system's cache, but counts as memory of this
+  /// process only up to 128 MiB, however large the file.
+  void done_with(std::uint64_t length);
 
  private:
   std::filesystem::path path_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
   const std::uint8_t* data_ = nullptr;
+  std::uint64_t held_ = 0;  ///< bytes read since they were last let go
 };
 
 // Little-endian numbers in the bytes of a file.

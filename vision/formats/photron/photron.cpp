@@ -200,7 +200,7 @@ class MrawSource : public FrameSource {
       if (lift_ != 1)
         for (float& level : row) level *= lift_;
     }
-    file_.require_unshrunk();
+    file_.done_with(bytes_);
   }
 
  private:
