@@ -62,10 +62,10 @@ double predicted_error(Track track, const std::vector<AuditFrame>& audited) {
 /// What lies beyond the edge that is seen.
 PlanStage chamfer_stage(const OuterEdge& edge, bool given) {
   const std::string ring =
-      given ? fmt::format("a chamfer of {:.2f} px is given", edge.widest)
-      : edge.measured
+      edge.measured
           ? fmt::format("a chamfer of {:.2f} px is seen in the rays of the mean picture", edge.widest)
-          : fmt::format("a chamfer of up to {:.2f} px as dark as the ground would not show", edge.widest);
+      : given ? fmt::format("a chamfer of {:.2f} px is given", edge.widest)
+              : fmt::format("a chamfer of up to {:.2f} px as dark as the ground would not show", edge.widest);
   return {
       .name = "chamfer",
       .on = edge.measured,

@@ -154,7 +154,8 @@ void EdgeTracking::learn_optics(const RaySamples& slow, bool settled) {
   const RaySamples samples[] = {
       samples_of_mean(grid_, mean_.level, options_.noise_variance, learning_.size()), all_round(slow)};
   out_.optics = likeliest_optics(fields_, std::span(samples).first(settled ? 2 : 1),
-                                 optics_about(out_.optics, grid_.radius));
+                                 optics_about(out_.optics, grid_.radius))
+                    .optics;
   out_.radius = grid_.radius + out_.optics.edge;
   covariances_ = fields_.covariances(out_.optics, RayFields::Beside::whole_part);
 }

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <vector>
 
 #include "vision/discs/rim_steps.h"
 #include "vision/edge/rays.h"
 #include "vision/io/levels.h"
+#include "vision/kernels/plane.h"
 #include "vision/synthesis/camera.h"
 
 namespace tribotrack::vision {
@@ -26,51 +28,85 @@ constexpr double kCapture = 1;     ///< px; the track is far better
 constexpr double kWhole = 0.8;     ///< of the rim; what covers more shows in the radius
 /// Of the blur: what the edge's model, of one Gaussian, makes of frames that are smeared by different motion.
 constexpr double kSmears = 0.005;
-constexpr double kTransfer = 2.2;  ///< the light's exponent in stored levels, inverted
-constexpr double kOfBlur = 0.5;    ///< what the likelihood of fields that are not Gaussian leaves of an edge
+constexpr double kTransfer = 2.2;          ///< the light's exponent in stored levels, inverted
+constexpr double kOffCentre[] = {1, 0.5};  ///< px: steps in which the outer edge's centre is looked for
+constexpr double kOfBlur = 0.5;  ///< what the likelihood of fields that are not Gaussian leaves of an edge
 
-/// Rings of each width about where an edge is seen. The likelihood has a minimum for each of the edges that a
-/// ring's can be taken for: half a pixel wide at the sharpest.
-std::vector<RimOptics> rings(double widest, double blur) {
+/// Rings of each width, or of those near to `known`, about where an edge is seen. The likelihood has a
+/// minimum for each of the edges that a ring's can be taken for: half a pixel wide at the sharpest.
+std::vector<RimOptics> rings(double widest, double blur, std::optional<double> known) {
   std::vector<RimOptics> out;
   for (double width = 0; width <= widest + 0.5; width += 0.5)
-    for (double edge = width / 2 - 1; edge <= width + 1; edge += 0.25) out.push_back({edge, blur, width});
+    for (double edge = width / 2 - 1; edge <= width + 1; edge += 0.25)
+      if (!known || std::abs(width - *known) <= 0.5) out.push_back({edge, blur, width});
   return out;
 }
 
-/// Calls act(picture, window, centre) for some of the frames that show all within `reach` px of the centre.
-template <class Act>
-void each_of_some(FrameSource& source, const std::vector<FirstPassFrame>& frames, double reach,
-                  const Act& act) {
+/// About the part's centre, which lies at (middle, middle).
+struct MeanPicture {
+  Picture levels;
+  int middle = 0;
+  std::size_t frames = 0;
+};
+
+/// Of some of the frames that show all within `reach` px of the centre.
+MeanPicture mean_about(FrameSource& source, const std::vector<FirstPassFrame>& frames, double reach) {
+  MeanPicture mean{.levels = {}, .middle = static_cast<int>(std::ceil(reach))};
+  const int size = 2 * mean.middle + 1;
+  mean.levels = Picture(size, size);
+  Picture picture, level(size, size);
   const std::size_t step = std::max<std::size_t>(1, frames.size() / kMost);
-  Picture picture;
   for (std::size_t k = 0; k < frames.size(); k += step) {
     const Point& c = frames[k].centre;
-    const Rect window = window_about(c, reach, source.bounds());
-    if (window.width < 2 * reach || window.height < 2 * reach) continue;
+    const Rect window = window_about(c, mean.middle + 1, source.bounds());
+    if (window.width < size || window.height < size) continue;
     source.read(frames[k].index, window, picture);
-    act(picture, window, c);
+    QuinticSpline(picture).sample_window(c.x - mean.middle - window.x, c.y - mean.middle - window.y, size,
+                                         size, level.levels().data(), nullptr, nullptr);
+    for (std::size_t i = 0; i < level.levels().size(); ++i) mean.levels.levels()[i] += level.levels()[i];
+    ++mean.frames;
   }
+  for (float& l : mean.levels.levels()) l /= static_cast<float>(std::max<std::size_t>(1, mean.frames));
+  return mean;
 }
 
+/// A lamp at the side lights one half of a chamfer: the outer edge's centre is another than that of the edge
+/// which is seen, and is looked for as well.
 std::optional<RimOptics> optics_of_mean(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                                        double radius, double blur, double noise_variance) {
+                                        double radius, double blur, double noise_variance,
+                                        std::optional<double> chamfer) {
+  const double widest = std::max(kWidest * radius, chamfer.value_or(0));
   RayGrid grid = ray_grid(radius);
-  grid.outside = kBeyondSeen + static_cast<int>(std::ceil(kWidest * radius));
+  grid.outside = kBeyondSeen + static_cast<int>(std::ceil(widest));
+  const MeanPicture mean = mean_about(source, frames, grid.reach() + kBorder);
+  if (mean.frames == 0) return std::nullopt;
+  const QuinticSpline spline(mean.levels);
+  const RayFields fields(grid, kCell);
   RaySampler sampler(grid);
-  std::vector<float> mean(grid.size(), 0), level(grid.size());
-  std::size_t count = 0;
-  each_of_some(source, frames, grid.reach() + kBorder,
-               [&](const Picture& picture, const Rect& window, const Point& centre) {
-                 sampler.sample(QuinticSpline(picture), window, centre, {level.data(), nullptr, nullptr});
-                 for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += level[i];
-                 ++count;
-               });
-  if (count == 0) return std::nullopt;
-  for (float& m : mean) m /= static_cast<float>(count);
-  const RaySamples rays = samples_of_mean(grid, mean, noise_variance, count);
-  return likeliest_optics(RayFields(grid, kCell), {&rays, 1}, rings(kWidest * radius, blur),
-                          RayFields::Beside::chamfer);
+  std::vector<float> levels(grid.size());
+  const auto likeliest = [&](const Point& centre, const std::vector<RimOptics>& starts) {
+    sampler.sample(spline, bounds_of(mean.levels), centre, {levels.data(), nullptr, nullptr});
+    const RaySamples rays = samples_of_mean(grid, levels, noise_variance, mean.frames);
+    return likeliest_optics(fields, {&rays, 1}, starts, RayFields::Beside::chamfer);
+  };
+  Point centre{static_cast<double>(mean.middle), static_cast<double>(mean.middle)};
+  LikeliestOptics best{{}, std::numeric_limits<double>::infinity()};
+  const auto improves = [&](const Point& other, const std::vector<RimOptics>& starts) {
+    const LikeliestOptics there = likeliest(other, starts);
+    if (!(there.cost < best.cost)) return false;
+    best = there;
+    centre = other;
+    return true;
+  };
+  for (const double step : kOffCentre) {
+    improves(centre, rings(widest, blur, chamfer));
+    for (bool moved = true; moved;) {
+      moved = false;
+      for (const auto& [x, y] : {std::pair{-step, 0.0}, {step, 0.0}, {0.0, -step}, {0.0, step}})
+        moved |= improves({centre.x + x, centre.y + y}, {best.optics});
+    }
+  }
+  return best.optics;
 }
 
 /// kappa, for levels stored by the light's power.
@@ -84,22 +120,10 @@ double stored_shift(const DiscFit& fit, double black) {
 
 std::optional<DiscFit> seen_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames,
                                  double radius) {
-  const int half = static_cast<int>(std::ceil(radius + std::max<double>(kBorder, 0.2 * radius)));
-  const int size = 2 * half + 1;
-  Picture mean(size, size), level(size, size);
-  float count = 0;
-  each_of_some(source, frames, half + 1,
-               [&](const Picture& picture, const Rect& window, const Point& centre) {
-                 QuinticSpline(picture).sample_window(centre.x - half - window.x, centre.y - half - window.y,
-                                                      size, size, level.levels().data(), nullptr, nullptr);
-                 for (std::size_t i = 0; i < level.levels().size(); ++i)
-                   mean.levels()[i] += level.levels()[i];
-                 ++count;
-               });
-  if (!(count > 1)) return std::nullopt;
-  for (float& l : mean.levels()) l /= count;
-  const double middle = half;
-  auto fit = fit_disc(mean, {middle, middle, radius}, kCapture, RimUse::mean_radius);
+  const MeanPicture mean = mean_about(source, frames, radius + std::max<double>(kBorder, 0.2 * radius));
+  if (mean.frames < 2) return std::nullopt;
+  const auto middle = static_cast<double>(mean.middle);
+  auto fit = fit_disc(mean.levels, {middle, middle, radius}, kCapture, RimUse::mean_radius);
   if (!fit || fit->coverage < kWhole) return std::nullopt;
   fit->radius_sd = std::hypot(fit->radius_sd, kSmears * fit->blur);
   if (!source.info().colour) return fit;
@@ -112,12 +136,12 @@ std::optional<DiscFit> seen_edge(FrameSource& source, const std::vector<FirstPas
 
 OuterEdge outer_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames, double radius,
                      double blur, double noise_variance, std::optional<double> chamfer) {
-  if (chamfer) return {0.5 * *chamfer, *chamfer / std::sqrt(12.0), *chamfer, false};
-  const double widest = std::min(kWidest * radius, kShows);
-  if (kWidest * radius > kShows)
-    if (const auto rim = optics_of_mean(source, frames, radius, blur, noise_variance);
+  if (chamfer.value_or(kWidest * radius) > kShows)
+    if (const auto rim = optics_of_mean(source, frames, radius, blur, noise_variance, chamfer);
         rim && rim->chamfer > kShows)
       return {rim->edge, kOfBlur * rim->blur, rim->chamfer, true};
+  if (chamfer) return {0.5 * *chamfer, *chamfer / std::sqrt(12.0), *chamfer, false};
+  const double widest = std::min(kWidest * radius, kShows);
   return {widest / 3, widest / std::sqrt(18.0), widest, false};
 }
 

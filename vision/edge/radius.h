@@ -5,9 +5,10 @@
 // width
 //   R = R_seen + c,   0 <= c <= w.
 // A ring wider than some three blurs shows in the mean picture's rays, whatever its levels (rays.h): then
-// c is measured. A narrower one cannot be told from the ground. Where w is known c is taken as anything
-// between none of it and all, mean w/2 and sd w/sqrt(12); where it is not, as anything up to the widest that
-// would not show, the wider the less likely (a density that falls linearly): mean w/3, sd w/sqrt(18).
+// c is measured. A narrower one cannot be told from the ground. Where w is known and narrower c is taken as
+// anything between none of it and all, mean w/2 and sd w/sqrt(12); where it is not, as anything up to the
+// widest that would not show, the wider the less likely (a density that falls linearly): mean w/3, sd
+// w/sqrt(18).
 #pragma once
 
 #include <optional>

@@ -132,11 +132,16 @@ std::vector<RaySamples> samples_of_bands(const RayGrid& grid, const std::vector<
 /// One covariance of all sectors; its noise with what no field explains.
 RaySamples all_round(const RaySamples& sectors);
 
+struct LikeliestOptics {
+  RimOptics optics;
+  double cost = 0;  ///< -2 log of the likelihood, per ray, less a constant
+};
+
 /// The rim's optics of greatest likelihood for samples of one covariance each, whose rays all share them
 /// whatever their levels: from the best of `starts` downhill along the axes.
-RimOptics likeliest_optics(const RayFields& fields, std::span<const RaySamples> samples,
-                           const std::vector<RimOptics>& starts,
-                           RayFields::Beside beside = RayFields::Beside::nothing);
+LikeliestOptics likeliest_optics(const RayFields& fields, std::span<const RaySamples> samples,
+                                 const std::vector<RimOptics>& starts,
+                                 RayFields::Beside beside = RayFields::Beside::nothing);
 /// A coarse grid about a circle that is known to a pixel.
 std::vector<RimOptics> optics_about(const RimOptics& start, double radius);
 

@@ -94,16 +94,15 @@ std::vector<RimOptics> optics_about(const RimOptics& start, double radius) {
   return out;
 }
 
-RimOptics likeliest_optics(const RayFields& fields, std::span<const RaySamples> samples,
-                           const std::vector<RimOptics>& starts, RayFields::Beside beside) {
-  RimOptics best = starts.front();
-  double least = std::numeric_limits<double>::infinity();
+LikeliestOptics likeliest_optics(const RayFields& fields, std::span<const RaySamples> samples,
+                                 const std::vector<RimOptics>& starts, RayFields::Beside beside) {
+  LikeliestOptics found{starts.front(), std::numeric_limits<double>::infinity()};
+  const RimOptics& best = found.optics;
   const auto improves = [&](const RimOptics& trial) {
     if (trial.blur < kSharpest || trial.chamfer < 0) return false;
     const double cost = cost_of(fields, trial, samples, beside);
-    if (!(cost < least)) return false;
-    least = cost;
-    best = trial;
+    if (!(cost < found.cost)) return false;
+    found = {trial, cost};
     return true;
   };
   for (const RimOptics& start : starts) improves(start);
@@ -117,7 +116,7 @@ RimOptics likeliest_optics(const RayFields& fields, std::span<const RaySamples> 
         moved |= improves({best.edge + d / 2, best.blur, best.chamfer + d});  // the inner edge stays
       }
     }
-  return best;
+  return found;
 }
 
 namespace {

@@ -26,11 +26,12 @@ test::RenderedSource chamfered(double width, std::int64_t frames) {
       }};
 }
 
-OuterEdge edge_of(double width, double seen) {
+OuterEdge edge_of(double width, double seen, std::optional<double> known = std::nullopt,
+                  Point centre = {80, 80}) {
   test::RenderedSource source = chamfered(width, 4);
   std::vector<FirstPassFrame> frames;
-  for (std::int64_t k = 0; k < 4; ++k) frames.push_back({k, {80, 80}, {}});
-  return outer_edge(source, frames, seen, 0.8, kNoise * kNoise, std::nullopt);
+  for (std::int64_t k = 0; k < 4; ++k) frames.push_back({k, centre, {}});
+  return outer_edge(source, frames, seen, 0.8, kNoise * kNoise, known);
 }
 
 TEST(OuterEdge, IsSeenBehindAWideChamferWhateverEdgeAFitTook) {
@@ -40,6 +41,18 @@ TEST(OuterEdge, IsSeenBehindAWideChamferWhateverEdgeAFitTook) {
     EXPECT_NEAR(seen + edge.beyond, kTop + 3.6, 2 * edge.beyond_sd) << seen;
     EXPECT_NEAR(edge.widest, 3.6, 0.6) << seen;
     EXPECT_LT(edge.beyond_sd, 0.01 * kTop);
+  }
+}
+
+// The edge that is seen may be the top's on one side and the outer one on the other; and a width from the
+// drawing does not beat what shows.
+TEST(OuterEdge, IsSeenAboutAnotherCentreAndBehindAChamferThatIsKnown) {
+  for (const std::optional<double> known :
+       {std::optional<double>(), std::optional(3.4), std::optional(4.0)}) {
+    const OuterEdge edge = edge_of(3.6, kTop + 0.4, known, {81.2, 79.2});
+    ASSERT_TRUE(edge.measured);
+    EXPECT_NEAR(kTop + 0.4 + edge.beyond, kTop + 3.6, edge.beyond_sd) << known.value_or(0);
+    EXPECT_NEAR(edge.widest, 3.6, 0.6) << known.value_or(0);
   }
 }
 
