@@ -143,8 +143,9 @@ class Tracking {
   std::int64_t start_ = 0;              ///< in that frame
   std::unique_ptr<FirstPass> first_pass_;
   std::optional<CodingWatch> coding_;
-  Track first_track_;                ///< of the first pass
-  std::vector<AuditFrame> audited_;  ///< of the pass that the positions are from
+  Track first_track_;                    ///< of the first pass
+  std::optional<OuterEdge> outer_edge_;  ///< where it was looked for before, from the first pass' radius
+  std::vector<AuditFrame> audited_;      ///< of the pass that the positions are from
   TrackResult result_;
 };
 
@@ -224,9 +225,10 @@ void Tracking::prefer_first_pass(PassOutcome& layers) {
 
 /// What turns in the part, or glints, spoils its pictures, not its edge.
 void Tracking::measure_edge() {
-  take(edge_stage(frames(), first_pass_->result(), options_, clock_, predicted_error(result_.track, audited_),
-                  result_.track),
-       "edge");
+  EdgeOutcome edge = edge_stage(frames(), first_pass_->result(), options_, clock_,
+                                predicted_error(result_.track, audited_), result_.track);
+  outer_edge_ = edge.outer;
+  take(std::move(edge), "edge");
 }
 
 /// What a pass says that may have measured the frames again; whether it has.
@@ -289,8 +291,14 @@ void Tracking::measure_radius(const std::vector<FirstPassFrame>& seen) {
   }
   std::optional<double> chamfer;
   if (options_.chamfer) chamfer = *options_.chamfer * summary.disc.radius;
-  const OuterEdge edge = outer_edge(frames(), seen, summary.disc.radius, summary.disc_blur,
-                                    first_pass_->result().noise_variance, chamfer);
+  OuterEdge edge;
+  if (outer_edge_) {
+    edge = *outer_edge_;
+    if (edge.measured) edge.beyond += first_pass_->result().disc.radius - summary.disc.radius;
+  } else {
+    edge = outer_edge(frames(), seen, summary.disc.radius, summary.disc_blur,
+                      first_pass_->result().noise_variance, chamfer);
+  }
   summary.chamfer = edge.widest;
   summary.chamfer_known = chamfer || edge.measured;
   summary.outer_radius = summary.disc.radius + edge.beyond;

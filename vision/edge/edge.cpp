@@ -268,6 +268,17 @@ double errors_of_pictures(const Remeasurement& by_edge, double stated) {
   return std::max(stated, std::sqrt(std::max(0.0, std::pow(by_edge.differ, 2) - std::pow(by_edge.sd, 2))));
 }
 
+/// About its centre; places are those of the edge that is seen.
+EdgeTrack track_outer(FrameSource& source, std::vector<FirstPassFrame> frames, EdgeOptions options,
+                      const OuterEdge& outer) {
+  options.radius += outer.beyond;
+  for (FirstPassFrame& f : frames) f.centre = {f.centre.x + outer.off.x, f.centre.y + outer.off.y};
+  EdgeTrack edge = track_edge(source, frames, options);
+  for (auto& fix : edge.fixes)
+    if (fix) fix->centre = {fix->centre.x - outer.off.x, fix->centre.y - outer.off.y};
+  return edge;
+}
+
 /// Whether pictures that call themselves near the limit drift all the same, by the first and the last frames.
 bool drifts(FrameSource& source, const Track& track, const std::vector<FirstPassFrame>& frames,
             const std::vector<std::size_t>& places, EdgeOptions options, double stated) {
@@ -286,10 +297,10 @@ bool drifts(FrameSource& source, const Track& track, const std::vector<FirstPass
 
 }  // namespace
 
-PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
+EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                        StageClock& clock, double stated, Track& track) {
   const bool coded = source.info().coder.has_value(), turning = turns(first, track);
-  PassOutcome out;
+  EdgeOutcome out;
   PlanStage& stage = out.stage;
   stage = {.name = kName, .reason = reason_against(first, options, coded, turning)};
   if (!stage.reason.empty()) return out;
@@ -307,10 +318,20 @@ PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
       return out;
     }
   }
-  const EdgeTrack edge = track_edge(source, frames, asked);
+  std::optional<double> chamfer;
+  if (options.chamfer) chamfer = *options.chamfer * asked.radius;
+  out.outer = outer_edge(source, frames, asked.radius, first.blur, asked.noise_variance, chamfer);
+  OuterEdge& outer = *out.outer;
+  const EdgeTrack edge =
+      outer.measured ? track_outer(source, frames, asked, outer) : track_edge(source, frames, asked);
   if (edge.fixes.empty()) {
     stage.reason = edge.why_not;
     return out;
+  }
+  const double beyond = edge.radius - asked.radius;
+  if (outer.measured && std::abs(beyond - outer.beyond) < 2 * outer.beyond_sd) {
+    outer.beyond = beyond;  // what changes along the rays tells both better
+    outer.widest = edge.optics.chamfer;
   }
   const Remeasurement change = compare(track, places, edge.fixes);
   const double of_track = errors_of_pictures(change, stated);

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "vision/edge/radius.h"
 #include "vision/edge/rays.h"
 #include "vision/stages/stages.h"
 #include "vision/track.h"
@@ -54,12 +55,17 @@ EdgeTrack track_edge(FrameSource& source, const std::vector<FirstPassFrame>& fra
 // The edge in bands of time as a stage of tracking: whether it pays, and whether it does better than
 // pictures.
 
+struct EdgeOutcome : PassOutcome {
+  std::optional<OuterEdge> outer;  ///< where it was looked for
+};
+
 /// Measures the ok points of `track` again by the part's edge, if noise alone would allow clearly less than
 /// the error of a coordinate that the track and its audit state (`stated`, px), or if the part turns visibly
 /// and the edge disagrees with the track in the first and the last frames. Positions and covariances change
 /// if the edge errs by less than the track: by `stated`, or by what the edge's own errors leave of their
-/// difference.
-PassOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
+/// difference. Where a wide chamfer parts the outer edge from what turns on the part's top it is the edge
+/// that is followed.
+EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                        StageClock& clock, double stated, Track& track);
 
 }  // namespace tribotrack::vision

@@ -29,16 +29,22 @@ constexpr double kWhole = 0.8;     ///< of the rim; what covers more shows in th
 /// Of the blur: what the edge's model, of one Gaussian, makes of frames that are smeared by different motion.
 constexpr double kSmears = 0.005;
 constexpr double kTransfer = 2.2;          ///< the light's exponent in stored levels, inverted
+constexpr double kClearly = 1;             ///< -2 log L per ray: by less an edge may be none, on even ground
+constexpr double kMoreWide = 0.5;          ///< px: what is as wide as can be is to be a minimum all the same
 constexpr double kOffCentre[] = {1, 0.5};  ///< px: steps in which the outer edge's centre is looked for
 constexpr double kOfBlur = 0.5;  ///< what the likelihood of fields that are not Gaussian leaves of an edge
 
-/// Rings of each width, or of those near to `known`, about where an edge is seen. The likelihood has a
-/// minimum for each of the edges that a ring's can be taken for: half a pixel wide at the sharpest.
-std::vector<RimOptics> rings(double widest, double blur, std::optional<double> known) {
+enum class Seen { outer, other };  ///< which of a ring's edges is the edge that is seen
+
+/// Rings of each width, or of those near to `known`. The likelihood has a minimum for each of the edges that
+/// a ring's can be taken for: half a pixel wide at the sharpest.
+std::vector<RimOptics> rings(double widest, double blur, std::optional<double> known, Seen seen) {
   std::vector<RimOptics> out;
-  for (double width = 0; width <= widest + 0.5; width += 0.5)
-    for (double edge = width / 2 - 1; edge <= width + 1; edge += 0.25)
+  for (double width = 0; width <= widest; width += 0.5) {
+    const double first = seen == Seen::outer ? -1 : width / 2 - 1, last = seen == Seen::outer ? 1 : width + 1;
+    for (double edge = first; edge <= last; edge += 0.25)
       if (!known || std::abs(width - *known) <= 0.5) out.push_back({edge, blur, width});
+  }
   return out;
 }
 
@@ -70,12 +76,11 @@ MeanPicture mean_about(FrameSource& source, const std::vector<FirstPassFrame>& f
   return mean;
 }
 
-/// A lamp at the side lights one half of a chamfer: the outer edge's centre is another than that of the edge
-/// which is seen, and is looked for as well.
-std::optional<RimOptics> optics_of_mean(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                                        double radius, double blur, double noise_variance,
-                                        std::optional<double> chamfer) {
-  const double widest = std::max(kWidest * radius, chamfer.value_or(0));
+/// The outer edge by the rays of the mean picture; nothing where no wide chamfer shows.
+std::optional<OuterEdge> behind_a_ring(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+                                       double radius, double blur, double noise_variance,
+                                       std::optional<double> chamfer) {
+  const double widest = std::max(kWidest * radius, chamfer.value_or(0)) + kMoreWide;
   RayGrid grid = ray_grid(radius);
   grid.outside = kBeyondSeen + static_cast<int>(std::ceil(widest));
   const MeanPicture mean = mean_about(source, frames, grid.reach() + kBorder);
@@ -84,29 +89,35 @@ std::optional<RimOptics> optics_of_mean(FrameSource& source, const std::vector<F
   const RayFields fields(grid, kCell);
   RaySampler sampler(grid);
   std::vector<float> levels(grid.size());
-  const auto likeliest = [&](const Point& centre, const std::vector<RimOptics>& starts) {
+  const auto likeliest = [&](const Point& centre, const std::vector<RimOptics>& starts, double most) {
     sampler.sample(spline, bounds_of(mean.levels), centre, {levels.data(), nullptr, nullptr});
     const RaySamples rays = samples_of_mean(grid, levels, noise_variance, mean.frames);
-    return likeliest_optics(fields, {&rays, 1}, starts, RayFields::Beside::chamfer);
+    return likeliest_optics(fields, {&rays, 1}, starts, RayFields::Beside::chamfer, most);
   };
-  Point centre{static_cast<double>(mean.middle), static_cast<double>(mean.middle)};
+  const Point seen{static_cast<double>(mean.middle), static_cast<double>(mean.middle)};
+  Point centre = seen;
   LikeliestOptics best{{}, std::numeric_limits<double>::infinity()};
   const auto improves = [&](const Point& other, const std::vector<RimOptics>& starts) {
-    const LikeliestOptics there = likeliest(other, starts);
+    const LikeliestOptics there = likeliest(other, starts, widest);
     if (!(there.cost < best.cost)) return false;
     best = there;
     centre = other;
     return true;
   };
   for (const double step : kOffCentre) {
-    improves(centre, rings(widest, blur, chamfer));
+    improves(centre, rings(widest, blur, chamfer, Seen::other));
     for (bool moved = true; moved;) {
       moved = false;
       for (const auto& [x, y] : {std::pair{-step, 0.0}, {step, 0.0}, {0.0, -step}, {0.0, step}})
         moved |= improves({centre.x + x, centre.y + y}, {best.optics});
     }
   }
-  return best.optics;
+  improves(seen, rings(widest, blur, chamfer, Seen::outer));
+  const RimOptics& rim = best.optics;
+  const double sharp = likeliest(centre, rings(0, blur, std::nullopt, Seen::outer), 0).cost;
+  if (!(rim.chamfer > kShows) || !(best.cost < sharp - kClearly)) return std::nullopt;
+  return OuterEdge{
+      rim.edge, kOfBlur * rim.blur, rim.chamfer, true, {centre.x - mean.middle, centre.y - mean.middle}};
 }
 
 /// kappa, for levels stored by the light's power.
@@ -137,9 +148,7 @@ std::optional<DiscFit> seen_edge(FrameSource& source, const std::vector<FirstPas
 OuterEdge outer_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames, double radius,
                      double blur, double noise_variance, std::optional<double> chamfer) {
   if (chamfer.value_or(kWidest * radius) > kShows)
-    if (const auto rim = optics_of_mean(source, frames, radius, blur, noise_variance, chamfer);
-        rim && rim->chamfer > kShows)
-      return {rim->edge, kOfBlur * rim->blur, rim->chamfer, true};
+    if (const auto seen = behind_a_ring(source, frames, radius, blur, noise_variance, chamfer)) return *seen;
   if (chamfer) return {0.5 * *chamfer, *chamfer / std::sqrt(12.0), *chamfer, false};
   const double widest = std::min(kWidest * radius, kShows);
   return {widest / 3, widest / std::sqrt(18.0), widest, false};

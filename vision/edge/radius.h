@@ -5,10 +5,11 @@
 // width
 //   R = R_seen + c,   0 <= c <= w.
 // A ring wider than some three blurs shows in the mean picture's rays, whatever its levels (rays.h): then
-// c is measured. A narrower one cannot be told from the ground. Where w is known and narrower c is taken as
-// anything between none of it and all, mean w/2 and sd w/sqrt(12); where it is not, as anything up to the
-// widest that would not show, the wider the less likely (a density that falls linearly): mean w/3, sd
-// w/sqrt(18).
+// c is measured, about a centre of its own: a lamp at the side lights one half of a chamfer, so that the edge
+// which is seen is the outer one on one side and the top's on the other. A narrower one cannot be told from
+// the ground. Where w is known and narrower c is taken as anything between none of it and all, mean w/2 and
+// sd w/sqrt(12); where it is not, as anything up to the widest that would not show, the wider the less likely
+// (a density that falls linearly): mean w/3, sd w/sqrt(18).
 #pragma once
 
 #include <optional>
@@ -26,6 +27,7 @@ struct OuterEdge {
   double beyond = 0, beyond_sd = 0;  ///< c, px
   double widest = 0;                 ///< px: w where known or measured, else what would not show
   bool measured = false;             ///< c is seen
+  Point off = {};                    ///< of its centre from that of the edge that is seen, px
 };
 
 /// The edge that is seen, in the mean of some of the frames about the part's centres: noise averages out,

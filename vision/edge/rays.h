@@ -17,6 +17,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -138,10 +139,11 @@ struct LikeliestOptics {
 };
 
 /// The rim's optics of greatest likelihood for samples of one covariance each, whose rays all share them
-/// whatever their levels: from the best of `starts` downhill along the axes.
+/// whatever their levels: from the best of `starts` downhill along the axes, to chamfers up to `widest`.
 LikeliestOptics likeliest_optics(const RayFields& fields, std::span<const RaySamples> samples,
                                  const std::vector<RimOptics>& starts,
-                                 RayFields::Beside beside = RayFields::Beside::nothing);
+                                 RayFields::Beside beside = RayFields::Beside::nothing,
+                                 double widest = std::numeric_limits<double>::infinity());
 /// A coarse grid about a circle that is known to a pixel.
 std::vector<RimOptics> optics_about(const RimOptics& start, double radius);
 

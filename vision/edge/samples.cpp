@@ -95,11 +95,12 @@ std::vector<RimOptics> optics_about(const RimOptics& start, double radius) {
 }
 
 LikeliestOptics likeliest_optics(const RayFields& fields, std::span<const RaySamples> samples,
-                                 const std::vector<RimOptics>& starts, RayFields::Beside beside) {
+                                 const std::vector<RimOptics>& starts, RayFields::Beside beside,
+                                 double widest) {
   LikeliestOptics found{starts.front(), std::numeric_limits<double>::infinity()};
   const RimOptics& best = found.optics;
   const auto improves = [&](const RimOptics& trial) {
-    if (trial.blur < kSharpest || trial.chamfer < 0) return false;
+    if (trial.blur < kSharpest || trial.chamfer < 0 || trial.chamfer > widest) return false;
     const double cost = cost_of(fields, trial, samples, beside);
     if (!(cost < found.cost)) return false;
     found = {trial, cost};

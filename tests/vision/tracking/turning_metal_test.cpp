@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <random>
 #include <string>
 
 #include "vision/analytic_scene.h"
 #include "vision/circle_fit_judge.h"
+#include "vision/track_errors.h"
 #include "vision/tracker.h"
 
 namespace tribotrack::vision {
@@ -109,6 +111,47 @@ TEST(TurningMetal, ShadingThatTurnsALittleIsNotTakenForMotion) {
               edge_stage_of(result).reason.c_str());
   EXPECT_GT(standardised, 0.7);
   EXPECT_LT(standardised, 1.6);
+}
+
+/// A chamfer under a lamp at the side, more or less as bright as the top. Where it shows what turns is seen
+/// to end before the outer edge, by which motion and radius are told; where only its outer edge does none is
+/// made up beyond that.
+TEST(TurningMetal, BehindAWideChamferTheOuterEdgeIsFollowed) {
+  constexpr std::int64_t kShort = 24;
+  constexpr double kOuter = 60, kTop = 56;
+  const auto centre = [](std::int64_t k) {
+    const auto t = static_cast<double>(k);
+    return Point{80.3 + 4 * std::cos(0.26 * t), 79.8 - 4 * std::sin(0.26 * t)};
+  };
+  std::mt19937 random(3);
+  const test::Waves streaks = test::random_waves(random, 6, 12, 30);
+  const auto followed = [&](double level, double lamp) {
+    const test::Waves from_a_side = {{{lamp, 0.024, 0.01, -std::numbers::pi / 2}}};
+    RenderedSource source(160, 160, kShort, [&](std::int64_t k) {
+      TestScene scene;
+      scene.width = scene.height = 160;
+      const Point c = centre(k);
+      scene.discs = {{c.x, c.y, kOuter, 0, level, from_a_side},
+                     {c.x, c.y, kTop, 3.0 * static_cast<double>(k) / kShort, 150, streaks}};
+      std::mt19937 noise(static_cast<unsigned>(700 + k));
+      return test::noisy(scene.render(), 2, noise);
+    });
+    TrackOptions options;
+    options.target = {Target::Kind::disc, {centre(0).x, centre(0).y, level < 100 ? kTop : kOuter}, {}};
+    TrackResult result = track(source, options);
+    const test::TrackErrors errors = test::errors_of(result.track, centre);
+    std::printf("rms %.4f px, standardised %.2f; radius %.2f(%.2f)\n%s\n", errors.rms, errors.standardised,
+                result.summary.outer_radius, result.summary.outer_radius_sd,
+                edge_stage_of(result).reason.c_str());
+    EXPECT_EQ(errors.count, kShort);
+    EXPECT_LT(errors.standardised, 1.6);
+    EXPECT_NEAR(result.summary.outer_radius, kOuter, 2 * result.summary.outer_radius_sd) << level;
+    return std::pair{errors.rms, result.summary.outer_radius};
+  };
+  const auto [rms, radius] = followed(90, 20);
+  EXPECT_LT(rms, 0.0075);
+  EXPECT_NEAR(radius, kOuter, 0.005 * kOuter);
+  followed(130, 10);
 }
 
 TEST(TurningMetal, ALookAlikeIsNotTakenForMetalThatHasGone) {
