@@ -331,7 +331,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   const double beyond = edge.radius - asked.radius;
   if (outer.measured && std::abs(beyond - outer.beyond) < 2 * outer.beyond_sd) {
     outer.beyond = beyond;  // what changes along the rays tells both better
-    outer.widest = edge.optics.chamfer;
+    if (edge.optics.chamfer > 0.5 * outer.widest) outer.widest = edge.optics.chamfer;
   }
   const Remeasurement change = compare(track, places, edge.fixes);
   const double of_track = errors_of_pictures(change, stated);
