@@ -87,7 +87,7 @@ std::vector<char*> pointers(Words& words) {
 }  // namespace
 
 Printed run_itself(const Words& arguments, const std::filesystem::path& folder,
-                   const std::function<void(std::string_view)>& heard,
+                   const std::function<void(Stream, std::string_view)>& heard,
                    const std::function<void(int)>& started) {
   Ends out, err;
   Words words = arguments, environment = environment_of_child();
@@ -116,8 +116,9 @@ Printed run_itself(const Words& arguments, const std::filesystem::path& folder,
         continue;
       }
       const std::string_view piece(buffer.data(), static_cast<std::size_t>(count));
-      (&end == ends.data() ? printed.out : printed.err) += piece;
-      if (heard && &end != ends.data()) heard(piece);
+      const Stream from = &end == ends.data() ? Stream::out : Stream::err;
+      (from == Stream::out ? printed.out : printed.err) += piece;
+      if (heard) heard(from, piece);
     }
   }
   int status = 0;
@@ -139,7 +140,7 @@ bool Job::start(const Words& arguments, const std::filesystem::path& folder) {
   running_ = true;
   ++version_;
   command_ = command_line(arguments);
-  begun_ = out_ = "";
+  begun_.clear();
   progress_ = Json::object();
   lines_.clear();
   // Of its own, so that it lives as long as its child: the kernel ends that with the thread which made it.
@@ -147,21 +148,20 @@ bool Job::start(const Words& arguments, const std::filesystem::path& folder) {
     Printed printed;
     try {
       printed = run_itself(
-          arguments, folder, [this](std::string_view text) { hear(text); },
+          arguments, folder, [this](Stream from, std::string_view text) { hear(from, text); },
           [this](int process) {
             const std::lock_guard told(mutex_);
             process_ = process;
           });
     } catch (const std::exception& error) {
       printed.exit_code = kUnexpected;
-      hear(std::string(error.what()) + "\n");
+      hear(Stream::err, std::string(error.what()) + "\n");
     }
     const std::lock_guard ended(mutex_);
     running_ = false;
     process_ = 0;
     progress_ = Json::object();
     exit_code_ = printed.exit_code;
-    out_ = std::move(printed.out);
     ++version_;
     changed_.notify_all();
   });
@@ -174,12 +174,13 @@ void Job::stop() {
   if (process_ > 0) ::kill(process_, SIGINT);
 }
 
-void Job::hear(std::string_view text) {
-  constexpr std::size_t kLinesKept = 400;
+void Job::hear(Stream from, std::string_view text) {
+  constexpr std::size_t kLinesKept = 2000;
   const std::lock_guard lock(mutex_);
-  begun_ += text;
-  for (std::size_t end; (end = begun_.find('\n')) != begun_.npos; begun_.erase(0, end + 1)) {
-    const std::string line = begun_.substr(0, end);
+  std::string& begun = begun_[from];
+  begun += text;
+  for (std::size_t end; (end = begun.find('\n')) != begun.npos; begun.erase(0, end + 1)) {
+    const std::string line = begun.substr(0, end);
     if (Json said = Json::parse(line, nullptr, false); said.is_object() && said.contains("progress"))
       progress_ = std::move(said);
     else if (!line.empty())
@@ -199,8 +200,7 @@ Json Job::state(std::int64_t seen) {
           {"progress", progress_.value("progress", "")},
           {"percent", progress_.value("percent", Json())},
           {"lines", lines_},
-          {"exit_code", running_ ? Json() : Json(exit_code_)},
-          {"out", out_}};
+          {"exit_code", running_ ? Json() : Json(exit_code_)}};
 }
 
 }  // namespace tribotrack::apps

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -25,10 +26,12 @@ struct Printed {
   std::string out, err;
 };
 
-/// Runs this program in a folder; `heard` is told of its stderr as it comes, with lines of progress
+enum class Stream { out, err };
+
+/// Runs this program in a folder; `heard` is told of its streams as they come, with lines of progress
 /// (ProgressStyle::json). It ends with this process, however that ends. `started` is told its process.
 Printed run_itself(const Words& arguments, const std::filesystem::path& folder,
-                   const std::function<void(std::string_view)>& heard = {},
+                   const std::function<void(Stream, std::string_view)>& heard = {},
                    const std::function<void(int process)>& started = {});
 
 /// The one command at work, or the last one.
@@ -38,12 +41,12 @@ class Job {
   /// False while another is at work.
   bool start(const Words& arguments, const std::filesystem::path& folder);
   void stop();
-  /// {version, command, running, progress, percent, lines, exit_code, out} once its version is beyond `seen`,
-  /// or after a second.
+  /// {version, command, running, progress, percent, lines, exit_code} once its version is beyond `seen`, or
+  /// after a second; `lines` are those of both streams.
   Json state(std::int64_t seen);
 
  private:
-  void hear(std::string_view text);
+  void hear(Stream from, std::string_view text);
 
   std::mutex mutex_;
   std::condition_variable changed_;
@@ -51,8 +54,9 @@ class Job {
   std::int64_t version_ = 0;
   int process_ = 0;
   bool running_ = false;
-  std::string command_, begun_, out_;  ///< begun_: a line whose end is to come
-  Json progress_ = Json::object();     ///< the last line of progress
+  std::string command_;
+  std::map<Stream, std::string> begun_;  ///< lines whose ends are to come
+  Json progress_ = Json::object();       ///< the last line of progress
   Words lines_;
   int exit_code_ = 0;
 };

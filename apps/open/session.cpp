@@ -44,6 +44,13 @@ bool is_in(const fs::path& folder, const fs::path& path) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
 
+/// Of the last change of a file; null where there is none.
+Json time_of(const fs::path& path) {
+  std::error_code error;
+  const auto time = fs::last_write_time(path, error);
+  return error ? Json() : Json(time.time_since_epoch().count());
+}
+
 std::string text_in(const Json& json, const char* key) {
   const auto found = json.find(key);
   return found != json.end() && found->is_string() ? found->get<std::string>() : "";
@@ -104,8 +111,7 @@ Json OpenSession::state() {
     if (is_inside(path)) recordings.push_back(relative_to(path, folder_));
   state["recordings"] = recordings;
   const RunFolder results{folder_ / output_of(name_)};
-  if (fs::exists(results.report()))
-    state["report"] = fs::last_write_time(results.report()).time_since_epoch().count();
+  state["report"] = time_of(results.report());
   if (fs::exists(results.fit())) try {
       const Json fit = read_json(results.fit());
       for (const char* key : {"verdict", "verdict_reasons", "parameters"})
@@ -285,6 +291,13 @@ Words OpenSession::arguments_of(const Json& wanted) {
   }
   if (what == "run") return {"run", name_};
   if (what == "plan") return {"run", name_, "--dry-run"};
+  if (what == "watch") {
+    if (name_ != "campaign.toml") throw InvalidInput("only campaign.toml can gain runs as they are filmed");
+    Words words = {"watch", ".", "-o", output_of(name_).string()};
+    if (const std::string until = text_in(wanted, "until"); !until.empty())
+      words.insert(words.end(), {"--until", until});
+    return words;
+  }
   if (what == "first_second") return first_second(run);
   if (what == "track") {
     const RunFolder results{output_of(name_)};
@@ -330,6 +343,7 @@ Answer OpenSession::answer(const Asked& asked) {
   if (path == "job") {
     Json job = job_.state(std::atoll(asked.parameter("seen").c_str()));
     job["revision"] = revision();
+    job["report"] = time_of(RunFolder{folder_ / output_of(name_)}.report());
     return answer_of(job);
   }
   if (path.starts_with("out/")) return output(path.substr(4));

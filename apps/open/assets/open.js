@@ -372,11 +372,10 @@
     if (job.percent === null || job.percent === undefined) $("job-bar").removeAttribute("value");
     else $("job-bar").value = job.percent;
     $("job-progress").textContent = job.running ? job.progress || "at work …" : "";
-    const said = (job.lines || []).concat(job.out ? [job.out] : []).join("\n");
-    $("job-lines").textContent = said;
+    $("job-lines").textContent = (job.lines || []).join("\n");
     const ends = ["finished", "failed", "refused: wrong usage", "refused: see what it said", "finished with a reservation: see what it said", "finished: the fit cannot be used; see what it said"];
     $("job-end").textContent = job.running ? "What it says" : ends[job.exit_code] || "ended (" + job.exit_code + ")";
-    if (!job.running && (job.exit_code || job.command.endsWith("--dry-run"))) $("job-more").open = true;
+    if (job.running ? job.command.startsWith("tribotrack watch") : job.exit_code || job.command.endsWith("--dry-run")) $("job-more").open = true;
     document.querySelectorAll("button[data-start], #draft-form button").forEach((b) => { b.disabled = job.running; });
     root.dataset.running = String(Boolean(job.running));
   }
@@ -386,7 +385,7 @@
         job = await ask(query("job", { seen }));
         seen = job.version;
         showJob();
-        const ended = wasRunning && !job.running, stale = state.revision !== undefined && job.revision !== state.revision;
+        const ended = wasRunning && !job.running, stale = state.revision !== undefined && (job.revision !== state.revision || job.report !== state.report);
         wasRunning = job.running;
         if (ended) say(job.command.split(" ").slice(0, 2).join(" ") + ": " + $("job-end").textContent, job.exit_code ? "bad" : "good");
         if ((ended || stale) && !(document.activeElement && document.activeElement.id === "text" && stale && !ended)) await load();
@@ -405,7 +404,7 @@
     const run = current(), what = b.dataset.start;
     if (run && what === "track") newest[run.name] = "tracks";
     if (run && what === "first_second") newest[run.name] = "first_second/tracks";
-    start(what, run ? { run: run.name } : {});
+    start(what, what === "watch" ? { until: $("until").value.trim() } : run ? { run: run.name } : {});
   }));
 
   // The file itself.

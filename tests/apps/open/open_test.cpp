@@ -292,6 +292,15 @@ TEST_F(OpenInChromium, FromAFolderOfRecordingsToAReport) {
     EXPECT_EQ(content_of(in_folder("by_hand/tracks") / (std::string(name) + ".csv")),
               content_of(in_folder("lab/campaign-out/tracks") / (std::string(name) + ".csv")));
 
+  // While filming: what is there is fitted, what to film next is said, until it is stopped.
+  browser.value("document.getElementById('watch').open = true");
+  browser.value("document.querySelector('[data-start=watch]').click()");
+  EXPECT_TRUE(
+      browser.wait_for("document.getElementById('job-lines').textContent.includes('film next: phi = ')", 30))
+      << browser.value("return document.body.innerText");
+  browser.value("document.getElementById('stop').click()");
+  EXPECT_TRUE(browser.wait_for("document.getElementById('stop').textContent === 'Close'"));
+
   // Every step at the width of a phone and of a desk, by axe-core's rules.
   std::ifstream file(TRIBOTRACK_AXE_JS, std::ios::binary);
   const std::string axe{std::istreambuf_iterator<char>(file), {}};
