@@ -13,6 +13,7 @@ namespace tribotrack::vision {
 namespace {
 
 constexpr std::size_t kFewest = 12;  ///< frames to learn from
+constexpr const char* kTooFew = "too few frames show the whole edge";
 constexpr std::size_t kLearnt = 512,
                       kBlock = 64;  ///< frames learnt from at most, and consecutive ones of them
 constexpr std::size_t kLevels = std::size_t{1}
@@ -37,7 +38,7 @@ class EdgeTracking {
   EdgeTrack run() {
     choose_frames();
     if (learning_.size() < kFewest) {
-      out_.why_not = "too few frames show the whole edge";
+      out_.why_not = kTooFew;
       return std::move(out_);
     }
     for (int round = 0; round < options_.rounds; ++round) {
@@ -306,6 +307,10 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   if (!stage.reason.empty()) return out;
   const auto running = clock.enter("edge in bands");
   const auto [frames, places] = seen_frames(track, first.first_index);
+  if (frames.size() < kFewest) {
+    stage.reason = kTooFew;
+    return out;
+  }
   const EdgeOptions asked{
       .radius = first.disc.radius, .noise_variance = first.noise_variance, .threads = options.threads};
   if (stated < kWorth * first.limit_px) {

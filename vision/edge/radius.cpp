@@ -149,7 +149,7 @@ OuterEdge outer_edge(FrameSource& source, const std::vector<FirstPassFrame>& fra
                      double blur, double noise_variance, std::optional<double> chamfer) {
   if (chamfer.value_or(kWidest * radius) > kShows)
     if (const auto seen = behind_a_ring(source, frames, radius, blur, noise_variance, chamfer)) return *seen;
-  if (chamfer) return {0.5 * *chamfer, *chamfer / std::sqrt(12.0), *chamfer, false};
+  if (chamfer) return {0.5 * *chamfer, *chamfer / std::sqrt(8.0), *chamfer, false};
   const double widest = std::min(kWidest * radius, kShows);
   return {widest / 3, widest / std::sqrt(18.0), widest, false};
 }

@@ -7,9 +7,11 @@
 // A ring wider than some three blurs shows in the mean picture's rays, whatever its levels (rays.h): then
 // c is measured, about a centre of its own: a lamp at the side lights one half of a chamfer, so that the edge
 // which is seen is the outer one on one side and the top's on the other. A narrower one cannot be told from
-// the ground. Where w is known and narrower c is taken as anything between none of it and all, mean w/2 and
-// sd w/sqrt(12); where it is not, as anything up to the widest that would not show, the wider the less likely
-// (a density that falls linearly): mean w/3, sd w/sqrt(18).
+// the ground. Where w is known and narrower the mean of c is w/2 and its sd w/sqrt(8): a ring's level may be
+// any between those of ground and top, and where w is up to three blurs the edge is seen at either end of the
+// ring rather than between (w/sqrt(12) if it were seen anywhere alike). Where w is not known c is anything up
+// to the widest that would not show, the wider the less likely (a density that falls linearly): mean w/3, sd
+// w/sqrt(18).
 #pragma once
 
 #include <optional>

@@ -73,7 +73,7 @@ TEST(OuterEdge, OfASmallDiscOrAKnownChamferTakesNoPicture) {
   EXPECT_NEAR(unknown.beyond_sd, 2.1 / std::sqrt(18.0), 1e-12);
   const OuterEdge known = outer_edge(source, {}, 150, 0.8, 1, 1.2);
   EXPECT_NEAR(known.beyond, 0.6, 1e-12);
-  EXPECT_NEAR(known.beyond_sd, 1.2 / std::sqrt(12.0), 1e-12);
+  EXPECT_NEAR(known.beyond_sd, 1.2 / std::sqrt(8.0), 1e-12);
   const OuterEdge sharp = outer_edge(source, {}, 150, 0.8, 1, 0);
   EXPECT_EQ(sharp.beyond, 0);
   EXPECT_EQ(sharp.beyond_sd, 0);
