@@ -44,6 +44,7 @@ constexpr double kSectorRadius = 5;      ///< px; smaller rims have too few pixe
 constexpr int kRounds = 4;               ///< of weights, the first all alike
 constexpr double kOnTheWay = 1e-3, kTolerance = 1e-5;  ///< px: the last step of a round, of the last one
 constexpr int kSteps = 25;                             ///< for given weights, at most
+constexpr double kStays = 1.5;                         ///< blurs that a wider band moves an edge by at most
 constexpr double kTukey = 6;                           ///< sd: what is further off does not count
 
 /// The model at a pixel and, if wanted, its slopes.
@@ -327,6 +328,11 @@ bool walked_away(const RimParameters& p, const Circle& guess, double capture) {
   return std::hypot(p(0) - guess.x, p(1) - guess.y) > far || std::abs(p(2) - guess.radius) > far;
 }
 
+/// Of the circle, px.
+double moved(const RimParameters& to, const RimParameters& from) {
+  return (to - from).head<3>().cwiseAbs().maxCoeff();
+}
+
 }  // namespace
 
 double largest_score(double radius) {
@@ -366,9 +372,14 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
   for (int round = 0; round < 2; ++round) {
     auto pixels = rim_pixels(picture, {p(0), p(1), p(2)}, band);
     if (pixels.x.size() < kFewestPixels) return std::nullopt;
-    fit = fit_rim(pixels, p, round == 1 && rim_curves(p, use));
+    RimFit next = fit_rim(pixels, p, round == 1 && rim_curves(p, use));
+    const bool finite = next.p.allFinite();
+    // A chamfer's ring beside the edge looks like levels that slope steeply and a wider edge somewhere else.
+    if (round == 1 && (!finite || (next.p(3) > p(3) && moved(next.p, p) > kStays * std::max(1.0, p(3)))))
+      break;
+    fit = std::move(next);
     p = fit.p;
-    if (!p.allFinite() || walked_away(p, guess, capture)) return std::nullopt;
+    if (!finite || walked_away(p, guess, capture)) return std::nullopt;
     band = rim_band(p, rim_curves(p, use));
   }
   return judged(picture, fit, guess, capture);
