@@ -44,7 +44,7 @@ constexpr double kSectorRadius = 5;      ///< px; smaller rims have too few pixe
 constexpr int kRounds = 4;               ///< of weights, the first all alike
 constexpr double kOnTheWay = 1e-3, kTolerance = 1e-5;  ///< px: the last step of a round, of the last one
 constexpr int kSteps = 25;                             ///< for given weights, at most
-constexpr double kStays = 1.5;                         ///< blurs that a wider band moves an edge by at most
+constexpr double kStays = 1.5, kWidens = 2;            ///< blurs that a wider band moves an edge by, at most
 constexpr double kTukey = 6;                           ///< sd: what is further off does not count
 
 /// The model at a pixel and, if wanted, its slopes.
@@ -375,7 +375,8 @@ std::optional<DiscFit> fit_disc(const Picture& picture, const Circle& guess, dou
     RimFit next = fit_rim(pixels, p, round == 1 && rim_curves(p, use));
     const bool finite = next.p.allFinite();
     // A chamfer's ring beside the edge looks like levels that slope steeply and a wider edge somewhere else.
-    if (round == 1 && (!finite || (next.p(3) > p(3) && moved(next.p, p) > kStays * std::max(1.0, p(3)))))
+    if (round == 1 && (!finite || next.p(3) > kWidens * p(3) ||
+                       (next.p(3) > p(3) && moved(next.p, p) > kStays * std::max(1.0, p(3)))))
       break;
     fit = std::move(next);
     p = fit.p;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "vision/analytic_scene.h"
@@ -77,6 +78,29 @@ TEST(DiscFit, DefocusIsMeasuredNotMistakenForRadius) {
   ASSERT_TRUE(fit);
   EXPECT_NEAR(fit->circle.radius, 30, 0.03);
   EXPECT_NEAR(fit->blur, std::sqrt(9 + 1.0 / 12), 0.05);
+}
+
+// A wide chamfer about the top, parted from it by a dark line, a shadow beside it: the fit stays at one of
+// the edges, and as sharp as that is.
+TEST(DiscFit, StaysAtTheEdgeOfAChamfer) {
+  constexpr double kOuter = 150;
+  std::mt19937 random(6);
+  for (const double line : {42.0, 60.0})
+    for (const double lamp : {20.0, 30.0}) {
+      TestScene scene = scene_with(160, 178, 156, 15, 340);  // the shadow
+      scene.ground = 57;
+      scene.discs.push_back({170.3, 169.6, kOuter, 0, 80, {{{lamp, 0.008, -0.008, -std::numbers::pi / 2}}}});
+      scene.discs.push_back({170.3, 169.6, 145, 0, line, {}});
+      scene.discs.push_back({168.8, 170.7, 143.4, 0, 137, {}});
+      const Picture picture = test::noisy(scene.render(), 3, random);
+      for (const double capture : {4.5, 18.0}) {
+        const auto fit = fit_disc(picture, {170, 170, kOuter}, capture);
+        ASSERT_TRUE(fit);
+        EXPECT_NEAR(fit->circle.radius, kOuter, 0.15) << line << ", " << lamp;
+        EXPECT_NEAR(fit->circle.x, 170.3, 0.15) << line << ", " << lamp;
+        EXPECT_LT(fit->blur, 1) << line << ", " << lamp;
+      }
+    }
 }
 
 TEST(DiscFit, NoRimNoCircle) {
