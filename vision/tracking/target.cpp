@@ -94,12 +94,6 @@ std::vector<DiscFit> discs_in(const Picture& picture, const TrackOptions& option
 
 }  // namespace
 
-std::optional<DiscFit> refined(const Picture& first, const Circle& given) {
-  auto fit = fit_disc(first, given, capture_of(given));
-  if (fit && !whole_in(bounds_of(first), fit->circle)) fit.reset();
-  return fit;
-}
-
 void check_whole(const Picture& first, const Circle& c, const FrameSource& source, const char* what) {
   if (whole_in(bounds_of(first), c) && c.radius >= 2) return;
   throw InputError(
@@ -141,6 +135,16 @@ bool may_be(const DiscFit& fit, const Circle& given) {
          std::abs(fit.circle.radius - given.radius) < std::max(kClick, given.radius / 3) &&
          std::abs(fit.contrast) >= kLeastContrast;
 }
+
+}  // namespace
+
+std::optional<DiscFit> refined(const Picture& first, const Circle& given) {
+  auto fit = fit_disc(first, given, capture_of(given));
+  if (fit && !(may_be(*fit, given) && whole_in(bounds_of(first), fit->circle))) fit.reset();
+  return fit;
+}
+
+namespace {
 
 /// The first of these frames in which a rim as clear as that of a disc found by itself is seen at the given
 /// place. Reads no more than the window about it.
