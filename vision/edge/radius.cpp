@@ -36,14 +36,13 @@ constexpr double kOfBlur = 0.5;  ///< what the likelihood of fields that are not
 
 enum class Seen { outer, other };  ///< which of a ring's edges is the edge that is seen
 
-/// Rings of each width, or of those near to `known`. The likelihood has a minimum for each of the edges that
-/// a ring's can be taken for: half a pixel wide at the sharpest.
-std::vector<RimOptics> rings(double widest, double blur, std::optional<double> known, Seen seen) {
+/// Rings of each width. The likelihood has a minimum for each of the edges that a ring's can be taken for:
+/// half a pixel wide at the sharpest.
+std::vector<RimOptics> rings(double widest, double blur, Seen seen) {
   std::vector<RimOptics> out;
   for (double width = 0; width <= widest; width += 0.5) {
     const double first = seen == Seen::outer ? -1 : width / 2 - 1, last = seen == Seen::outer ? 1 : width + 1;
-    for (double edge = first; edge <= last; edge += 0.25)
-      if (!known || std::abs(width - *known) <= 0.5) out.push_back({edge, blur, width});
+    for (double edge = first; edge <= last; edge += 0.25) out.push_back({edge, blur, width});
   }
   return out;
 }
@@ -105,16 +104,16 @@ std::optional<OuterEdge> behind_a_ring(FrameSource& source, const std::vector<Fi
     return true;
   };
   for (const double step : kOffCentre) {
-    improves(centre, rings(widest, blur, chamfer, Seen::other));
+    improves(centre, rings(widest, blur, Seen::other));
     for (bool moved = true; moved;) {
       moved = false;
       for (const auto& [x, y] : {std::pair{-step, 0.0}, {step, 0.0}, {0.0, -step}, {0.0, step}})
         moved |= improves({centre.x + x, centre.y + y}, {best.optics});
     }
   }
-  improves(seen, rings(widest, blur, chamfer, Seen::outer));
+  improves(seen, rings(widest, blur, Seen::outer));
   const RimOptics& rim = best.optics;
-  const double sharp = likeliest(centre, rings(0, blur, std::nullopt, Seen::outer), 0).cost;
+  const double sharp = likeliest(centre, rings(0, blur, Seen::outer), 0).cost;
   if (!(rim.chamfer > kShows) || !(best.cost < sharp - kClearly)) return std::nullopt;
   return OuterEdge{
       rim.edge, kOfBlur * rim.blur, rim.chamfer, true, {centre.x - mean.middle, centre.y - mean.middle}};
