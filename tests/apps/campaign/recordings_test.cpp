@@ -90,7 +90,7 @@ TEST_F(TrackRecording, ADiameterCountsTheChamferAndChecksAnotherScale) {
   EXPECT_LT(sharp_sd, 0.0001);
   const auto [known, known_sd] = scale("--chamfer-mm 0.05");  // of 12 px one, of which half is seen
   EXPECT_NEAR(known / sharp, 12 / 12.5, 0.001);
-  EXPECT_NEAR(known_sd / known, 1 / std::sqrt(12.0) / 12.5, 0.001);
+  EXPECT_NEAR(known_sd / known, 1 / std::sqrt(8.0) / 12.5, 0.001);
   const auto [unknown, unknown_sd] = scale("");
   EXPECT_LT(std::abs(unknown - sharp), 2 * unknown_sd);
   EXPECT_GT(unknown_sd, known_sd / 2);
