@@ -117,7 +117,8 @@ class CineSource : public FrameSource {
     file_.require_unshrunk();
     const std::span<const std::uint8_t> pixels = image(index);
     for (int y = 0; y < window.height; ++y) read_row(pixels, window.x, window.y + y, picture.row(y));
-    file_.done_with(pixels.size());
+    file_.done_with(pixels.size() * static_cast<std::size_t>(window.height) /
+                    static_cast<std::size_t>(header_.height));
   }
 
  private:

@@ -200,7 +200,8 @@ class MrawSource : public FrameSource {
       if (lift_ != 1)
         for (float& level : row) level *= lift_;
     }
-    file_.done_with(bytes_);
+    file_.done_with(bytes_ * static_cast<std::uint64_t>(window.height) /
+                    static_cast<std::uint64_t>(info_.height));
   }
 
  private:
