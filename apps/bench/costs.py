@@ -106,4 +106,4 @@ for name, cost, counts in WHAT:
         print(f'| {name} | {count} | {now[0]:.2f} | {now[1]:.2f} | {now[2]:.0f} | {exponents} |', flush=True)
 print("""
 Of videos and pictures the window about the part is kept in a temporary file while they are tracked (in `TMPDIR`, else `/var/tmp`, 4 GB
-at most), so that each frame is decoded once; `.cine` and `.mraw` are read where they lie, 128 MB of them at a time.""")
+at most), so that each frame is decoded once; `.cine` and `.mraw` are read where they lie, and count as memory up to some 0.4 GB, however large they are.""")

@@ -62,7 +62,7 @@ class MappedFile {
   void require_unshrunk() const;
   /// To be called after `length` bytes were copied. Throws InputError when the file has shrunk meanwhile:
   /// zeros would have been read. What was read stays in the system's cache, but counts as memory of this
-  /// process only up to 128 MiB, however large the file.
+  /// process only until 128 MiB were read (some 0.4 GB with the pages about them), however large the file.
   void done_with(std::uint64_t length);
 
  private:
