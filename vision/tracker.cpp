@@ -289,22 +289,20 @@ void Tracking::measure_radius(const std::vector<FirstPassFrame>& seen) {
     summary.disc_radius_sd = mean->radius_sd;
     common_sd = mean->common_sd;
   }
-  std::optional<double> chamfer;
-  if (options_.chamfer) chamfer = *options_.chamfer * summary.disc.radius;
   OuterEdge edge;
   if (outer_edge_) {
     edge = *outer_edge_;
     if (edge.measured) edge.beyond += first_pass_->result().disc.radius - summary.disc.radius;
   } else {
     edge = outer_edge(frames(), seen, summary.disc.radius, summary.disc_blur,
-                      first_pass_->result().noise_variance, chamfer);
+                      first_pass_->result().noise_variance, options_.chamfer);
   }
   summary.chamfer = edge.widest;
-  summary.chamfer_known = chamfer || edge.measured;
+  summary.chamfer_known = options_.chamfer || edge.measured;
   summary.outer_radius = summary.disc.radius + edge.beyond;
   summary.outer_radius_sd = std::hypot(summary.disc_radius_sd, edge.beyond_sd);
   summary.outer_radius_common_sd = std::hypot(common_sd, edge.beyond_sd);
-  summary.plan.push_back(chamfer_stage(edge, chamfer.has_value()));
+  summary.plan.push_back(chamfer_stage(edge, options_.chamfer.has_value()));
 }
 
 void Tracking::check_roundness(const std::vector<FirstPassFrame>& seen) {

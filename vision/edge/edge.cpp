@@ -323,9 +323,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
       return out;
     }
   }
-  std::optional<double> chamfer;
-  if (options.chamfer) chamfer = *options.chamfer * asked.radius;
-  out.outer = outer_edge(source, frames, asked.radius, first.blur, asked.noise_variance, chamfer);
+  out.outer = outer_edge(source, frames, asked.radius, first.blur, asked.noise_variance, options.chamfer);
   OuterEdge& outer = *out.outer;
   const EdgeTrack edge =
       outer.measured ? track_outer(source, frames, asked, outer) : track_edge(source, frames, asked);

@@ -77,9 +77,8 @@ MeanPicture mean_about(FrameSource& source, const std::vector<FirstPassFrame>& f
 
 /// The outer edge by the rays of the mean picture; nothing where no wide chamfer shows.
 std::optional<OuterEdge> behind_a_ring(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                                       double radius, double blur, double noise_variance,
-                                       std::optional<double> chamfer) {
-  const double widest = std::max(kWidest * radius, chamfer.value_or(0)) + kMoreWide;
+                                       double radius, double blur, double noise_variance, double chamfer) {
+  const double widest = std::max(kWidest * radius, chamfer) + kMoreWide;
   RayGrid grid = ray_grid(radius);
   grid.outside = kBeyondSeen + static_cast<int>(std::ceil(widest));
   const MeanPicture mean = mean_about(source, frames, grid.reach() + kBorder);
@@ -146,9 +145,10 @@ std::optional<DiscFit> seen_edge(FrameSource& source, const std::vector<FirstPas
 
 OuterEdge outer_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames, double radius,
                      double blur, double noise_variance, std::optional<double> chamfer) {
-  if (chamfer.value_or(kWidest * radius) > kShows)
-    if (const auto seen = behind_a_ring(source, frames, radius, blur, noise_variance, chamfer)) return *seen;
-  if (chamfer) return {0.5 * *chamfer, *chamfer / std::sqrt(8.0), *chamfer, false};
+  const double w = chamfer.value_or(kWidest) * radius;
+  if (w > kShows)
+    if (const auto seen = behind_a_ring(source, frames, radius, blur, noise_variance, w)) return *seen;
+  if (chamfer) return {0.5 * w, w / std::sqrt(8.0), w, false};
   const double widest = std::min(kWidest * radius, kShows);
   return {widest / 3, widest / std::sqrt(18.0), widest, false};
 }

@@ -44,9 +44,9 @@ struct OuterEdge {
 std::optional<DiscFit> seen_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames,
                                  double radius);
 
-/// `chamfer`: w in px if it is known. `frames` with the part's centres to a fraction of the blur; those of
-/// them are read, if any, that it takes to see a wide chamfer. `radius` is R_seen and `blur` that of its
-/// edge, px.
+/// `chamfer`: w over the radius, if it is known. `frames` with the part's centres to a fraction of the blur;
+/// those of them are read, if any, that it takes to see a wide chamfer. `radius` is R_seen and `blur` that of
+/// its edge, px.
 OuterEdge outer_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames, double radius,
                      double blur, double noise_variance, std::optional<double> chamfer);
 

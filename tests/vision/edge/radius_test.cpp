@@ -26,7 +26,7 @@ test::RenderedSource chamfered(double width, std::int64_t frames) {
       }};
 }
 
-OuterEdge edge_of(double width, double seen, std::optional<double> known = std::nullopt,
+OuterEdge edge_of(double width, double seen, const std::optional<double>& known = std::nullopt,
                   Point centre = {80, 80}) {
   test::RenderedSource source = chamfered(width, 4);
   std::vector<FirstPassFrame> frames;
@@ -48,7 +48,7 @@ TEST(OuterEdge, IsSeenBehindAWideChamferWhateverEdgeAFitTook) {
 // drawing does not beat what shows.
 TEST(OuterEdge, IsSeenAboutAnotherCentreAndBehindAChamferThatIsKnown) {
   for (const std::optional<double> known :
-       {std::optional<double>(), std::optional(3.4), std::optional(4.0)}) {
+       {std::optional<double>(), std::optional(0.06), std::optional(0.07)}) {
     const OuterEdge edge = edge_of(3.6, kTop + 0.4, known, {81.2, 79.2});
     ASSERT_TRUE(edge.measured);
     EXPECT_NEAR(kTop + 0.4 + edge.beyond, kTop + 3.6, edge.beyond_sd) << known.value_or(0);
@@ -71,7 +71,7 @@ TEST(OuterEdge, OfASmallDiscOrAKnownChamferTakesNoPicture) {
       outer_edge(source, {}, 30, 0.8, 1, std::nullopt);  // 7 % of 30 px, falling linearly
   EXPECT_NEAR(unknown.beyond, 2.1 / 3, 1e-12);
   EXPECT_NEAR(unknown.beyond_sd, 2.1 / std::sqrt(18.0), 1e-12);
-  const OuterEdge known = outer_edge(source, {}, 150, 0.8, 1, 1.2);
+  const OuterEdge known = outer_edge(source, {}, 150, 0.8, 1, 1.2 / 150);
   EXPECT_NEAR(known.beyond, 0.6, 1e-12);
   EXPECT_NEAR(known.beyond_sd, 1.2 / std::sqrt(8.0), 1e-12);
   const OuterEdge sharp = outer_edge(source, {}, 150, 0.8, 1, 0);
