@@ -289,14 +289,11 @@ void Tracking::measure_radius(const std::vector<FirstPassFrame>& seen) {
     summary.disc_radius_sd = mean->radius_sd;
     common_sd = mean->common_sd;
   }
-  OuterEdge edge;
-  if (outer_edge_) {
-    edge = *outer_edge_;
-    if (edge.measured) edge.beyond += first_pass_->result().disc.radius - summary.disc.radius;
-  } else {
-    edge = outer_edge(frames(), seen, summary.disc.radius, summary.disc_blur,
-                      first_pass_->result().noise_variance, options_.chamfer);
-  }
+  const FirstPassResult& first = first_pass_->result();
+  OuterEdge edge = outer_edge_ ? *outer_edge_
+                               : outer_edge(frames(), seen, summary.disc.radius, summary.disc_blur,
+                                            first.noise_variance, options_.chamfer);
+  if (outer_edge_ && edge.measured) edge.beyond += first.disc.radius - summary.disc.radius;
   summary.chamfer = edge.widest;
   summary.chamfer_known = options_.chamfer || edge.measured;
   summary.outer_radius = summary.disc.radius + edge.beyond;

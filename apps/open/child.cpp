@@ -157,6 +157,7 @@ bool Job::start(const Words& arguments, const std::filesystem::path& folder) {
       printed.exit_code = kUnexpected;
       hear(Stream::err, std::string(error.what()) + "\n");
     }
+    for (const Stream from : {Stream::out, Stream::err}) hear(from, "\n");  // what ended without one
     const std::lock_guard ended(mutex_);
     running_ = false;
     process_ = 0;

@@ -7,11 +7,12 @@
 // A ring wider than some three blurs shows in the mean picture's rays, whatever its levels (rays.h): then
 // c is measured, about a centre of its own: a lamp at the side lights one half of a chamfer, so that the edge
 // which is seen is the outer one on one side and the top's on the other. A narrower one cannot be told from
-// the ground. Where w is known and narrower the mean of c is w/2 and its sd w/sqrt(8): a ring's level may be
-// any between those of ground and top, and where w is up to three blurs the edge is seen at either end of the
-// ring rather than between (w/sqrt(12) if it were seen anywhere alike). Where w is not known c is anything up
-// to the widest that would not show, the wider the less likely (a density that falls linearly): mean w/3, sd
-// w/sqrt(18).
+// the ground: then the prior is all there is.
+//   w known:      mean w/2, sd w/sqrt(8). The level of the ring may be any from that of the ground to that of
+//                 the top; the edge is then seen at one end of a ring of three blurs more often than between
+//                 (anywhere alike would be w/sqrt(12), as of a ring below one blur).
+//   w not known:  up to the widest that would not show, the wider the less likely (a density that falls
+//                 linearly): mean w/3, sd w/sqrt(18).
 #pragma once
 
 #include <optional>

@@ -12,7 +12,7 @@
 
 namespace tribotrack::vision {
 
-/// The circle given by the user, fitted to the rim; nothing where no rim supports it.
+/// The circle given by the user, fitted to the rim; nothing where that is not seen nearly all the way round.
 std::optional<DiscFit> refined(const Picture& first, const Circle& given);
 /// Throws InputError where the circle reaches out of the picture.
 void check_whole(const Picture& first, const Circle& c, const FrameSource& source, const char* what);
