@@ -63,6 +63,14 @@ struct AddedByLaws {
   Eigen::VectorXd added;
   Eigen::MatrixXd by_laws;  ///< by the laws among the unknowns
   Eigen::MatrixXd bend;     ///< by the others
+  bool borrowed = false;    ///< the latter, from where it was foretold
+};
+
+/// What laws were thought to add here, and the derivatives that told it.
+struct Foretold {
+  const Eigen::VectorXd& before;
+  Eigen::VectorXd added;
+  const Eigen::MatrixXd& bend;
 };
 
 /// A step of one of the model's parameters, small against what makes a motion another.
@@ -97,11 +105,12 @@ Eigen::MatrixXd bend_of(const AppliedScenario& applied, const Eigen::VectorXd& a
 }
 
 /// What the laws at `values` add to a run at `times`; `by_mu`: its derivatives under the paper's law. Where
-/// that moves a place by more than `fine`, its derivatives are by all parameters.
+/// that moves a place by more than `fine`, its derivatives are by all parameters: an integration each, unless
+/// those are taken that have foretold it to a tenth of its change or a hundredth of `fine`.
 AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& values,
                           const AppliedScenario& applied, const std::vector<double>& times,
                           const Eigen::MatrixX2d& by_mu, const std::vector<Eigen::Index>& laws,
-                          double fine = INFINITY) {
+                          double fine = INFINITY, const std::optional<Foretold>& foretold = std::nullopt) {
   const auto rows = 2 * static_cast<Eigen::Index>(times.size());
   AddedByLaws result{Eigen::VectorXd::Zero(rows),
                      Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(laws.size())),
@@ -148,6 +157,14 @@ AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& value
   if (!under_law.allFinite()) return result;
   if (result.added.lpNorm<Eigen::Infinity>() < fine) {
     result.bend = bend_of(applied, result.added, under_law - by_mu);
+    return result;
+  }
+  constexpr double kShare = 0.1, kUnseen = 0.01;
+  const auto size = [](const Eigen::VectorXd& v) { return v.lpNorm<Eigen::Infinity>(); };
+  if (foretold && size(foretold->added - result.added) <
+                      std::max(kShare * size(result.added - foretold->before), kUnseen * fine)) {
+    result.bend = foretold->bend;
+    result.borrowed = true;
     return result;
   }
   const std::array three{paper, as_sharp, as_soft};
@@ -226,7 +243,7 @@ ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen
 }
 
 std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                                           double tolerance, int threads) {
+                                           double tolerance, int threads, const LinearTerms* before) {
   const Problem& problem = unknowns.problem();
   LinearTerms terms;
   terms.linear_ = linear_unknowns(unknowns, true);
@@ -260,9 +277,13 @@ std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen
     applied.scenario.duration = times.back();
     const Eigen::MatrixX2d by_mu = points_by_mu(applied, times, tolerance);
     const double sd = std::sqrt(0.5 * data.track.covariance.front().trace());
-    AddedByLaws there = added_by_laws(unknowns, values, applied, times, by_mu, terms.laws_, kSeen * sd);
+    std::optional<Foretold> foretold;
+    if (before && before->tracks_[i].added.size() > 0)
+      foretold.emplace(before->tracks_[i].added, before->added(i, values), before->tracks_[i].bend);
+    AddedByLaws there =
+        added_by_laws(unknowns, values, applied, times, by_mu, terms.laws_, kSeen * sd, foretold);
     terms.tracks_[i] = {std::move(there.added), std::move(there.by_laws), std::move(there.bend),
-                        unknowns.own(i)};
+                        unknowns.own(i), there.borrowed};
   };
   try {
     parallel_for(summaries + terms.tracks_.size(), threads,
@@ -291,14 +312,23 @@ void LinearTerms::add(std::size_t index, const Eigen::VectorXd& values,
   if (run.bend.size() > 0) by_paper.jacobian(Eigen::all, bent_) += run.bend(Eigen::all, bent_);
 }
 
+Eigen::VectorXd LinearTerms::added(std::size_t index, const Eigen::VectorXd& values) const {
+  const Track& track = tracks_[index];
+  const Eigen::VectorXd all = values - values_;
+  Eigen::VectorXd change(track.bend.cols());
+  change << all.head(change.size() - track.own.count), all.segment(track.own.first, track.own.count);
+  return track.added + track.by_laws * all(laws_) + track.bend * change;
+}
+
+bool LinearTerms::borrowed() const {
+  return std::ranges::any_of(tracks_, &Track::borrowed);
+}
+
 void LinearTerms::add(std::size_t index, const Eigen::VectorXd& values, Eigen::Matrix2Xd& positions,
                       Eigen::MatrixXd& jacobian) const {
   const Track& track = tracks_[index];
   if (track.added.size() == 0) return;
-  const Eigen::VectorXd all = values - values_;
-  Eigen::VectorXd change(track.bend.cols());
-  change << all.head(change.size() - track.own.count), all.segment(track.own.first, track.own.count);
-  positions.reshaped() += track.added + track.by_laws * all(laws_) + track.bend * change;
+  positions.reshaped() += added(index, values);
   if (jacobian.size() == 0) return;
   jacobian += track.bend;
   jacobian(Eigen::all, laws_) = track.by_laws;

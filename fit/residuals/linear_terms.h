@@ -28,12 +28,13 @@ struct ModelledDisplacement {
 class LinearTerms {
  public:
   /// Linearised at `values`: of the conditions among the unknowns; nullopt where the laws have no motion
-  /// there.
+  /// there. Of tracks D' may be that of `before`, near by.
   static std::optional<LinearTerms> at(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                                       double tolerance, int threads);
+                                       double tolerance, int threads, const LinearTerms* before = nullptr);
 
   /// (theta_0, c_0).
   const Eigen::VectorXd& values() const { return values_; }
+  bool borrowed() const;  ///< D' of some track was told elsewhere
   /// At values(), by all unknowns.
   const ModelledDisplacement& here(std::size_t run) const { return runs_[run].here; }
   /// Values with conditions at c_0.
@@ -56,7 +57,11 @@ class LinearTerms {
     Eigen::VectorXd added;          ///< D, m, x and y of each point below each other
     Eigen::MatrixXd by_laws, bend;  ///< C of the laws, and D' by what all runs share and the run's own
     Range own;
+    bool borrowed = false;
   };
+  /// What laws add to a track at other values.
+  Eigen::VectorXd added(std::size_t index, const Eigen::VectorXd& values) const;
+
   std::vector<Eigen::Index> linear_;  ///< conditions, among the unknowns
   std::vector<Eigen::Index> laws_;    ///< of them
   std::vector<Eigen::Index> bent_;    ///< the other shared ones

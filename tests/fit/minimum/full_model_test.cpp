@@ -83,8 +83,8 @@ TEST(FullModel, DerivativesAreThoseUnderTheLaw) {
     expect_derivative(residuals, values, i, 0.002 * std::abs(values(i)), 0.1);
 }
 
-// Of tracks those by everything that all runs share.
-TEST(FullModel, DerivativesOfTracksAreThoseUnderTheLaw) {
+/// Two of its runs, as tracks.
+Problem strong_stribeck_of_tracks() {
   Problem problem = strong_stribeck();
   for (const std::size_t k : {std::size_t{1}, std::size_t{6}}) {
     const SummaryRun& summary = problem.summary_runs[k];
@@ -102,6 +102,12 @@ TEST(FullModel, DerivativesOfTracksAreThoseUnderTheLaw) {
   problem.conditions.push_back({FitParameter::amplitude, 1e-6, "test"});
   problem.conditions.push_back({FitParameter::angular_frequency, 0.03, "test"});
   problem.conditions.push_back({FitParameter::phase_shift, 0.01, "test"});
+  return problem;
+}
+
+// Of tracks those by everything that all runs share.
+TEST(FullModel, DerivativesOfTracksAreThoseUnderTheLaw) {
+  const Problem problem = strong_stribeck_of_tracks();
   const Unknowns unknowns(problem);
   Residuals residuals(unknowns);
   residuals.set_tolerance(1e-10);
@@ -110,6 +116,26 @@ TEST(FullModel, DerivativesOfTracksAreThoseUnderTheLaw) {
   const Eigen::VectorXd units = unknowns.natural_units(values);
   for (Eigen::Index i = 0; i < unknowns.common(); ++i)
     expect_derivative(residuals, values, i, 1e-3 * units(i), 0.02);
+}
+
+// Derivatives of tracks do for a small step; where a minimum is said to be they are its own.
+TEST(FullModel, DerivativesOfTracksAreKeptForASmallStep) {
+  const Problem problem = strong_stribeck_of_tracks();
+  const Unknowns unknowns(problem);
+  const Eigen::VectorXd values = values_under(unknowns, 0.2);
+  const auto kept = [&](double change) {
+    Residuals residuals(unknowns);
+    Eigen::VectorXd there = values;
+    there(0) += change;
+    EXPECT_TRUE(residuals.linearise(values) && residuals.linearise(there, true));
+    return residuals.nearly_linear();
+  };
+  EXPECT_TRUE(kept(1e-5));
+  EXPECT_FALSE(kept(0.05));
+  Residuals residuals(unknowns);
+  ASSERT_TRUE(residuals.linearise(values));
+  EXPECT_TRUE(minimise_linearised(residuals, unknowns.z(values), {.decrement = 1e-3}).converged);
+  EXPECT_FALSE(residuals.nearly_linear());
 }
 
 }  // namespace
