@@ -6,7 +6,6 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "fit/campaign.h"
 

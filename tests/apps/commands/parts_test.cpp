@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <cmath>
-
 #include "apps/program.h"
 #include "apps/text/json.h"
 #include "fit/problem.h"

@@ -1,7 +1,6 @@
 // The program on recordings nobody here made. Skipped unless TRIBOTRACK_REAL_DATA names their folder.
 #include <gmock/gmock.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "apps/program.h"

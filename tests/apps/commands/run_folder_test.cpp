@@ -4,7 +4,6 @@
 #include <sys/file.h>
 
 #include <fstream>
-#include <map>
 
 #include "apps/program.h"
 
@@ -104,21 +103,6 @@ TEST_F(RunFolders, VerifyNamesWhatIsNotOfTheRun) {
   expect_refused(run("verify moved"), 3, {"3 of 12"});
   fs::remove(in_folder("moved/out/run.json"));
   expect_refused(run("verify moved/out"), 3, {"run.json"});
-}
-
-// A fresh campaign is fitted from memory, a resumed one from its files.
-TEST_F(RunFolders, ResumingGivesTheSameBytes) {
-  render_slide("a.cine");
-  render_slide("b.cine", {.velocity_x = "90"});
-  put(in_folder("c.toml"), slides_campaign({"a.cine", "b.cine"}));
-  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
-  std::map<std::string, std::string> fresh;
-  for (const char* file : {"out/fit.json", "out/fit.json.meta.json", "out/report.html", "out/tracks/a.csv",
-                           "out/tracks/a.csv.meta.json"})
-    fresh[file] = content_of(in_folder(file));
-  fs::remove(in_folder("out/tracks/b.csv"));
-  ASSERT_EQ(run("run c.toml -o out -q").exit_code, 0);
-  for (const auto& [file, content] : fresh) EXPECT_EQ(content_of(in_folder(file)), content) << file;
 }
 
 }  // namespace

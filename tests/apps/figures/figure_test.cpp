@@ -3,9 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -13,7 +10,6 @@ namespace tribotrack::apps {
 namespace {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
 using testing::IsNan;
 
 constexpr double kPi = std::numbers::pi;

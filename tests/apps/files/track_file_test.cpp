@@ -14,7 +14,6 @@ namespace tribotrack::apps {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 class TrackFiles : public ProgramTest {
  protected:

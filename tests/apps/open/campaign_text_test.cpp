@@ -9,7 +9,6 @@ namespace tribotrack::apps {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 std::string set(const std::string& text, const std::string& section, const std::string& key,
                 const std::string& value, std::size_t run = 0) {

@@ -4,7 +4,6 @@
 
 #include <Eigen/LU>
 #include <atomic>
-#include <cmath>
 #include <map>
 #include <numbers>
 #include <random>

@@ -55,7 +55,7 @@ TEST(TurnedCamera, CancelsWithAGateInThePictureAndStandsInTheLagWithout) {
   }
 }
 
-/// lag + w delay moves the pulses: one w tells the sum, two tell both.
+/// lag + w delay moves the pulses: two w tell both.
 Problem lag_and_delay(const std::vector<double>& frequencies, double lag, double delay) {
   Problem problem;
   problem.free = {FitParameter::lag, FitParameter::delay};
@@ -70,15 +70,13 @@ Problem lag_and_delay(const std::vector<double>& frequencies, double lag, double
   return problem;
 }
 
-TEST(LagAndDelay, AreToldApartByTwoFrequenciesAndNotByOne) {
+TEST(LagAndDelay, AreToldApartByTwoFrequencies) {
   FitOptions options;
   options.profiles = false;
   const FitResult both = estimate(lag_and_delay({62.8, 45.0}, 0.15, 2e-3), options);
   EXPECT_TRUE(both.usable());
   EXPECT_NEAR(both.value(FitParameter::lag), 0.15, 1e-5);
   EXPECT_NEAR(both.value(FitParameter::delay), 2e-3, 1e-7);
-  const FitResult one = estimate(lag_and_delay({62.8}, 0.15, 2e-3), options);
-  EXPECT_EQ(one.identifiability.verdict, Verdict::not_identifiable);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // Tracks that say which of their errors neighbouring points share.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdio>
 #include <random>
 

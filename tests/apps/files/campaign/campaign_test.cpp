@@ -93,11 +93,8 @@ kind = "free_slide"
 TEST_F(CampaignTest, MistakesAreNamedWithTheirPlace) {
   EXPECT_THAT(complaint("amplitude_mm = 0.28\n" + kRun), HasSubstr("does not belong here but in [platform]"));
   EXPECT_THAT(complaint("[fit]\n[fit.fixed]\nmu1 = -0.1\n" + kRun), HasSubstr("c.toml:3:1: `mu1`"));
-  EXPECT_THAT(complaint("[fit]\n[fit.prior]\nmu1 = { mean = 0.1 }\n" + kRun), HasSubstr("needs a mean"));
   EXPECT_THAT(complaint("[fit]\n[fit.prior]\nmu3 = { mean = 0.1, sd = 1 }\n" + kRun),
               HasSubstr("did you mean \"mu1\""));
-  EXPECT_THAT(complaint("[fit]\n[fit.prior]\ndelay_s = { mean = 0.1, sd = 1 }\n" + kRun),
-              HasSubstr("is not among `parameters`"));
   EXPECT_THAT(complaint("[scope]\nsensor_channel = 7\n" + kRun), HasSubstr("between 0 and 4, not 7"));
   EXPECT_THAT(complaint("[camera]\nframe_rate_reason = \"x\"\n" + kRun), HasSubstr("needs `frame_rate_hz`"));
 }

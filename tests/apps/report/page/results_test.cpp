@@ -13,7 +13,6 @@ namespace {
 
 using test::occurrences;
 using testing::HasSubstr;
-using testing::Not;
 
 std::string parameters_of(const ReportData& data) {
   return parameter_section(data, {}).html;
