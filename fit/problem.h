@@ -183,8 +183,6 @@ struct Problem {
   /// follows and the remedy, as a sentence. nullopt where something moved, or where nothing was driven.
   std::optional<std::string> stuck_throughout() const;
   double typical_displacement() const;  ///< m, median over the runs
-  /// Numbers measured or known beforehand, and unknowns to be found from them.
-  std::pair<std::size_t, std::size_t> data_and_unknowns() const;
 };
 
 }  // namespace tribotrack::fit

@@ -52,8 +52,8 @@ struct IntegrationOptions {
   /// Keep what `at` needs. Without it only the end is known (at() before the end throws std::logic_error),
   /// and a run is several times as fast.
   bool dense = true;
-  /// Once a cycle begins as the one before did, add its displacement instead of integrating its copies
-  /// (IntegrationSummary::error_bound bounds the error this adds). Off: every cycle is integrated.
+  /// Once a cycle begins as the one before did, within the tolerance, add its displacement instead of
+  /// integrating its copies. Off: every cycle is integrated.
   bool reuse_repeating_cycles = true;
   /// More steps than this is an error (StepLimitExceeded), never a silent stop. The search for a periodic
   /// start may take as many.
@@ -67,10 +67,6 @@ struct IntegrationSummary {
   int releases = 0;       ///< stick -> slip transitions, a start from rest not counted
   double stick_time = 0;  ///< s
   double sticking_fraction = 0;
-  /// What cycles taken as repeating can add to the error of the end point, m. The flow of the
-  /// velocity is a contraction, so cycles that begin a velocity d apart stay within d of each other; 0 where
-  /// they repeat to the last digit or none was left out.
-  double error_bound = 0;
   std::string brief_report() const;
 };
 

@@ -55,7 +55,8 @@ class Search {
         stage_(options, "next experiment") {
     information_ = at.scaled(units_).eliminated().normal();
     for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {  // conditions have their priors
-      const double widest = range(unknowns_, unknowns_.parameter(i), values) / units_(i);
+      const bool is_mu2 = unknowns_.parameter(i) == FitParameter::mu2;
+      const double widest = is_mu2 ? unknowns_.value_of(FitParameter::mu1, values) / units_(i) : 1;
       information_(i, i) += 1 / (widest * widest);
     }
     now_ = reported_covariance(information_, unknowns_.reported());

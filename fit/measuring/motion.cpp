@@ -134,16 +134,9 @@ double strongest_line(const Series& series) {
   return static_cast<double>(best);
 }
 
-struct Ellipse {
-  double major = 0, minor = 0;
-};
-
-/// Of the sinusoid at w beside a parabola.
-Ellipse ellipse_of(const Series& series, double w) {
-  const Eigen::Matrix2d c = fitted(series, 2, w).coefficients.bottomRows<2>();
-  const double sum = c.squaredNorm(), area = std::abs(c(0, 0) * c(1, 1) - c(0, 1) * c(1, 0));
-  const double root = std::sqrt(std::max(0.0, sum * sum - 4 * area * area));
-  return {std::sqrt(0.5 * (sum + root)), std::sqrt(std::max(0.0, 0.5 * (sum - root)))};
+/// Major and minor semi-axis of the sinusoid at w beside a parabola.
+Eigen::Vector2d axes_of(const Series& series, double w) {
+  return singular_values(fitted(series, 2, w).coefficients.bottomRows<2>()).values;
 }
 
 /// About the frequency of `cycles` in `seen`, from all points of the track.
@@ -162,17 +155,17 @@ Oscillation described(const TrackTable& track, const Series& seen, double cycles
   Oscillation found;
   found.angular_frequency = {sine.w, std::sqrt(wider * sine.covariance(8, 8))};
   found.cycles = sine.w * points.span() / turn;
-  const Ellipse whole = ellipse_of(seen, sine.w);
-  found.major = whole.major;
-  found.minor = whole.minor;
+  const Eigen::Vector2d whole = axes_of(seen, sine.w);
+  found.major = whole(0);
+  found.minor = whole(1);
   const auto third = static_cast<std::ptrdiff_t>(seen.size() / 3);
   const auto part = [&](std::ptrdiff_t first) {
     return Series{{seen.time.begin() + first, seen.time.begin() + first + third},
                   {seen.position.begin() + first, seen.position.begin() + first + third}};
   };
   if (found.cycles >= kFewestCycles && third > 8) {
-    const double first = ellipse_of(part(0), sine.w).major;
-    const double last = ellipse_of(part(static_cast<std::ptrdiff_t>(seen.size()) - third), sine.w).major;
+    const double first = axes_of(part(0), sine.w)(0);
+    const double last = axes_of(part(static_cast<std::ptrdiff_t>(seen.size()) - third), sine.w)(0);
     if (first > 0) found.last_over_first = last / first;
   }
   found.drift = sine.coefficients.row(1).norm() * points.span();

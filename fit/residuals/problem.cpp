@@ -132,17 +132,6 @@ void Problem::validate() const {
   if (has_pulses()) need(*this, FitParameter::mu2);
 }
 
-std::pair<std::size_t, std::size_t> Problem::data_and_unknowns() const {
-  std::size_t data = 2 * summary_runs.size(), unknowns = free.size();
-  for (const auto& run : trajectory_runs) {
-    data += 2 * run.track.time.size();
-    unknowns += run.free_slide ? 4 : 2;
-  }
-  for (const auto& [parameter, known] : prior)
-    if (fits(parameter)) ++data;
-  return {data, unknowns};
-}
-
 namespace {
 
 /// The largest acceleration of the platform within a turn: the long half-axis of its ellipse times w^2.

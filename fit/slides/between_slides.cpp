@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fit/pooling.h"
 #include "fit/rounding.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
@@ -12,41 +13,25 @@
 #include "fit/tools/track_errors.h"
 
 namespace tribotrack::fit::internal {
-namespace {
-
-struct WeightedMean {
-  double mean = 0, information = 0, chi2 = 0;
-};
-
-WeightedMean weighted_mean(const std::vector<Estimate>& slides, double variance_between) {
-  WeightedMean result;
-  for (const Estimate& slide : slides) {
-    const double weight = 1 / (slide.sd * slide.sd + variance_between);
-    result.information += weight;
-    result.mean += weight * slide.value;
-  }
-  result.mean /= result.information;
-  for (const Estimate& slide : slides)
-    result.chi2 += std::pow(slide.value - result.mean, 2) / (slide.sd * slide.sd + variance_between);
-  return result;
-}
-
-}  // namespace
-
 BetweenSlides between_slides(const std::vector<Estimate>& slides) {
   BetweenSlides result;
   result.dof = static_cast<int>(slides.size()) - 1;
-  const WeightedMean alike = weighted_mean(slides, 0);
+  const auto scattered_by = [&](double variance) {
+    std::vector<Estimate> wider = slides;
+    for (Estimate& slide : wider) slide.sd = std::sqrt(slide.sd * slide.sd + variance);
+    return pool(wider);
+  };
+  const Pooled alike = scattered_by(0);
   result.chi2 = alike.chi2;
-  result.p_value = chi2_survival(alike.chi2, result.dof);
+  result.p_value = alike.p_value;
   double far = 0;
-  for (const Estimate& slide : slides) far += std::pow(slide.value - alike.mean, 2);
+  for (const Estimate& slide : slides) far += std::pow(slide.value - alike.mean.value, 2);
   const double variance =
-      falls_to([&](double between) { return weighted_mean(slides, between).chi2; }, result.dof, far);
-  const WeightedMean mean = weighted_mean(slides, variance);
+      falls_to([&](double between) { return scattered_by(between).chi2; }, result.dof, far);
+  const Pooled apart = scattered_by(variance);
   result.sd = std::sqrt(variance);
-  result.mean = mean.mean;
-  result.information = mean.information;
+  result.mean = apart.mean.value;
+  result.information = 1 / (apart.mean.sd * apart.mean.sd);
   return result;
 }
 

@@ -27,13 +27,6 @@ constexpr double kMoved = 1e-10;
 /// Scatter beyond this share of what was measured leaves no result.
 constexpr double kScatterShare = 0.1;
 
-bool lag_taken_as_zero(const Problem& problem) {
-  const auto known = [&](FitParameter parameter) {
-    return problem.fixed.count(parameter) > 0 || problem.fits(parameter);
-  };
-  return problem.has_pulses() && !known(FitParameter::lag) && !known(FitParameter::delay);
-}
-
 /// An evaluation is worth more than one thread.
 bool is_large(const Problem& problem) {
   constexpr std::size_t kManyRuns = 64;
@@ -357,7 +350,8 @@ FitResult Estimation::report() {
     result.warnings.push_back(
         "The runs scatter about the model by " + number(1e3 * result.scatter, 2) +
         " mm per axis, more than a tenth of their typical displacement: they do not follow it.");
-  if (lag_taken_as_zero(problem_))
+  if (problem_.has_pulses() && !unknowns_.is_known(FitParameter::lag) &&
+      !unknowns_.is_known(FitParameter::delay))
     result.warnings.push_back(
         "phase_lag_rad is not fitted and taken as 0: add it to [fit] parameters, or give it in [fit.fixed].");
   result.agreement = agreement(result);

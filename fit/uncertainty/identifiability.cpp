@@ -90,11 +90,15 @@ class Judge {
     return bound.has_value();
   }
 
+  /// A track has always enough.
   void count_data() {
-    if (const auto [numbers, wanted] = problem_.data_and_unknowns(); numbers < wanted)
+    const auto known =
+        std::ranges::count_if(problem_.prior, [&](const auto& p) { return problem_.fits(p.first); });
+    const std::size_t numbers = 2 * problem_.summary_runs.size() + static_cast<std::size_t>(known);
+    if (problem_.trajectory_runs.empty() && numbers < problem_.free.size())
       add(Verdict::not_identifiable,
           fmt::format("{} numbers for {} unknowns: add runs, fix a parameter, or give it a prior.", numbers,
-                      wanted));
+                      problem_.free.size()));
   }
 
   void find_dead_parameters() {
@@ -191,7 +195,9 @@ class Judge {
 
   void check_precision(Eigen::Index i) {
     const FitParameter parameter = unknowns_.parameter(i);
-    const double widest = range(unknowns_, parameter, values_), factor = display_factor(parameter);
+    const double factor = display_factor(parameter);
+    const double widest = parameter == FitParameter::mu2 ? unknowns_.value_of(FitParameter::mu1, values_)
+                                                         : uncertainty_.units(i);
     const std::string shown = fmt::format("{} = {}", name(i), quoted(values_(i) * factor, sd_(i) * factor));
     // A profile ends where conditions cannot follow, which is no knowledge of the parameter.
     if (sd_(i) > (profiled_ ? kHopeless : 1) * widest)
@@ -218,14 +224,6 @@ class Judge {
 };
 
 }  // namespace
-
-double range(const Unknowns& unknowns, FitParameter parameter, const Eigen::VectorXd& values) {
-  const double mu1 = unknowns.value_of(FitParameter::mu1, values);
-  if (facts(parameter).sort == Sort::phase) return 1;
-  if (parameter == FitParameter::delay) return 1 / unknowns.reference_frequency();
-  const bool of_friction = parameter == FitParameter::mu2 || facts(parameter).sort == Sort::tilt;
-  return of_friction ? mu1 : unknowns.value_of(parameter, values);
-}
 
 std::vector<bool> moved_by_flat_direction(const Uncertainty& uncertainty) {
   std::vector<bool> moved(static_cast<std::size_t>(uncertainty.units.size()), false);

@@ -19,7 +19,4 @@ Identifiability identifiability(const Unknowns& unknowns, const Eigen::VectorXd&
 /// Parameters that a flat direction moves: their sd is infinite.
 std::vector<bool> moved_by_flat_direction(const Uncertainty& uncertainty);
 
-/// Beyond this sd a parameter is not pinned.
-double range(const Unknowns& unknowns, FitParameter parameter, const Eigen::VectorXd& values);
-
 }  // namespace tribotrack::fit::internal

@@ -67,7 +67,6 @@ Run<T>::Run(const Scenario& s, const IntegrationOptions& o)
   summary.stops = static_cast<int>(counts.stops);
   summary.releases = static_cast<int>(counts.releases);
   summary.stick_time = counts.stick_phase / s.drive.angular_frequency;
-  summary.error_bound = solver_.error_bound() * input_.problem.velocity_unit / s.drive.angular_frequency;
   const double phase = input_.cycles * kTwoPi + input_.rest;
   summary.sticking_fraction = phase > 0 ? counts.stick_phase / phase : 0;
 }

@@ -32,8 +32,6 @@ class Solver {
   const ScaledDrive<T>& drive() const { return part_.drive(); }
   const T& kappa(bool reduced) const { return part_.kappa(reduced); }
   const StepCounts& counts() const { return part_.counts; }
-  /// Of X at the end, from cycles that were not integrated.
-  double error_bound() const { return error_bound_; }
 
  private:
   struct CycleStart {
@@ -62,7 +60,6 @@ class Solver {
   Pair<T> repeat_drift_;
   CycleStart last_start_;
   Shrinking shrinking_;
-  double error_bound_ = 0;
 };
 
 template <class T>
@@ -127,15 +124,14 @@ void Solver<T>::skip_repeating_cycles() {
   if (part_.cycle() < 2) return;
   const StepCounts &now = last_start_.counts, &then = before.counts;
   const double gap = last_start_.gap, q = part_.cycle() > 2 && before.gap > 0 ? gap / before.gap : 1;
-  // However many copies: how far a cycle's velocity may be from the one it stands for.
+  // How far a cycle's velocity may be from the one it stands for. The flow of the velocity is a contraction:
+  // where gaps shrink by q all further cycles begin within gap/(1 - q).
   const double allowed = in_.tolerance * scale;
   const bool exact = same(u.x, before.u.x) && same(u.y, before.u.y);
   const bool settled = shrinking_.settled(gap, before.gap, static_cast<double>(now.steps - then.steps),
                                           now.stops > then.stops);
-  const double error = settled && !exact ? shrinking_.error(gap, copies) : copying_error(gap, q, copies);
   const bool close = settled || gap <= 4e-16 * scale || (q < 1 && gap <= (1 - q) * allowed);
   if (exact || (close && same_derivatives(u, before.u, in_.tolerance))) {
-    error_bound_ = error;
     repeat_from_ = part_.cycle();
     repeat_to_ = in_.cycles;
     repeat_drift_ = drift_since(before);
