@@ -37,13 +37,14 @@ Rect moved_window(const Rect& place, const Point& by, const Rect& bounds) {
   return {left, top, width, height};
 }
 
-/// One of each of so many stretches, its place in it by the golden ratio.
+/// At most one of each of so many stretches, its place in it by the golden ratio.
 std::vector<std::int64_t> spread(std::int64_t first, std::int64_t last, std::int64_t count) {
   std::vector<std::int64_t> indices;
   const double stretch = static_cast<double>(last - first + 1) / static_cast<double>(count);
   for (std::int64_t k = 0; k < count; ++k) {
     const auto n = static_cast<double>(k);
-    indices.push_back(first + static_cast<std::int64_t>((n + std::fmod(n * std::numbers::phi, 1)) * stretch));
+    const auto index = first + static_cast<std::int64_t>((n + std::fmod(n * std::numbers::phi, 1)) * stretch);
+    if (indices.empty() || index > indices.back()) indices.push_back(index);  // neighbours may share a frame
   }
   return indices;
 }

@@ -222,6 +222,18 @@ TEST(GroundMotion, AGlanceTellsRestFromMotion) {
   }
 }
 
+// Of few frames more than are wanted, too, the sample reaches to the end.
+TEST(GroundMotion, TheSampleReachesToTheEnd) {
+  Circling s;
+  for (const int frames : {12, 13, 14, 16, 18, 40}) {
+    s.frames = frames;
+    MemorySource source(s.pictures(), kRate);
+    const GroundSample sample = sample_ground(source, 0, frames - 1, kGroundGlance, s.options());
+    EXPECT_GE(sample.frames.size(), 9U) << frames;
+    EXPECT_GE(sample.frames.back().index, 0.8 * (frames - 1)) << frames;
+  }
+}
+
 TEST(GroundMotion, WithoutTextureNothingIsFollowed) {
   Circling s;
   s.scene.platform.texture_rms = 0;
