@@ -63,14 +63,14 @@ struct AddedByLaws {
   Eigen::VectorXd added;
   Eigen::MatrixXd by_laws;  ///< by the laws among the unknowns
   Eigen::MatrixXd bend;     ///< by the others
-  bool borrowed = false;    ///< the latter, from where it was foretold
+  bool borrowed = false;    ///< the latter is that of an earlier step
 };
 
-/// What laws were thought to add here, and the derivatives that told it.
+/// What laws add here by the derivatives of an earlier step.
 struct Foretold {
-  const Eigen::VectorXd& before;
+  const Eigen::VectorXd& before;  ///< what they added there
   Eigen::VectorXd added;
-  const Eigen::MatrixXd& bend;
+  const Eigen::MatrixXd& bend;  ///< there
 };
 
 /// A step of one of the model's parameters, small against what makes a motion another.

@@ -34,7 +34,7 @@ class LinearTerms {
 
   /// (theta_0, c_0).
   const Eigen::VectorXd& values() const { return values_; }
-  bool borrowed() const;  ///< D' of some track was told elsewhere
+  bool borrowed() const;  ///< D' of some track is that of an earlier step
   /// At values(), by all unknowns.
   const ModelledDisplacement& here(std::size_t run) const { return runs_[run].here; }
   /// Values with conditions at c_0.
@@ -57,7 +57,7 @@ class LinearTerms {
     Eigen::VectorXd added;          ///< D, m, x and y of each point below each other
     Eigen::MatrixXd by_laws, bend;  ///< C of the laws, and D' by what all runs share and the run's own
     Range own;
-    bool borrowed = false;
+    bool borrowed = false;  ///< D' is that of an earlier step
   };
   /// What laws add to a track at other values.
   Eigen::VectorXd added(std::size_t index, const Eigen::VectorXd& values) const;

@@ -164,6 +164,7 @@ TRIBOTRACK_KERNEL void weigh_rows(const float* c, std::ptrdiff_t stride, const f
   }
 }
 
+/// The sum of the eight numbers of each of `count` places.
 TRIBOTRACK_KERNEL void sums_of_lanes(const PlaceLanes& v, std::size_t count, float* sums) {
   using Four = VectorOf<float, 4>::type;
   const auto pairs = [](const Four& a, const Four& b, Four& sum) __attribute__((always_inline)) {
