@@ -109,9 +109,6 @@ inline Scenario shaken_plane_scenario(double eta, double angle) {
   return s;
 }
 
-}  // namespace tribotrack::model
-
-namespace tribotrack::model {
 namespace {
 
 using Eigen::Vector2d;
@@ -245,6 +242,8 @@ TEST(PartOnABelt, IsAParabolaUntilItGoesWithTheBelt) {
     EXPECT_NEAR((run.at(stop).position + belt * stop - place).norm(), 0, 2e-15 * (1 + place.norm()));
     EXPECT_EQ(run.at(stop * (1 - 1e-12)).state, State::slip);
     EXPECT_EQ(run.at(stop * (1 + 1e-12)).state, State::stick);
+    EXPECT_EQ(run.summary().stops, 1);
+    EXPECT_NEAR(run.summary().stick_time, 0.3 * stop, 1e-14 * stop);
     // The place on the belt, u |u| / (2 mu g), and its derivatives.
     const SensitiveSample end = run.sensitive_end();
     const Vector2d& u = s.initial_velocity;

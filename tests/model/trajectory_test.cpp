@@ -20,35 +20,6 @@ Scenario reference_run() {
   return s;
 }
 
-TEST(Trajectory, ReferenceRun) {
-  const Sample end = integrate(reference_run()).end();
-  // In quadruple precision (tests/model/quad_reference.h).
-  EXPECT_NEAR(end.position.x(), 5.4702108186974206e-3, 2e-17);
-  EXPECT_NEAR(end.position.y(), -1.0983961946988498e-2, 2e-17);
-  EXPECT_DOUBLE_EQ(end.time, 20 * 2 * kPi / 62.8);
-}
-
-TEST(Trajectory, FreeSlideIsAStraightLineWithAnExactStop) {
-  Scenario s;
-  s.drive.amplitude = s.drive.amplitude_y = 0;
-  s.friction = {0.2, 0.2, 0, 0, 0};
-  s.initial_velocity = {0.3, -0.4};
-  s.duration = 1;
-  const Trajectory t = integrate(s);
-  const double deceleration = 0.2 * 9.81, stop = 0.5 / deceleration;
-  for (const double time : {0.1 * stop, 0.5 * stop, 0.99 * stop}) {
-    const double path = 0.5 * time - deceleration * time * time / 2;
-    EXPECT_NEAR(t.at(time).position.x(), 0.6 * path, 1e-16);
-    EXPECT_NEAR(t.at(time).position.y(), -0.8 * path, 1e-16);
-  }
-  const Sample end = t.end();
-  EXPECT_EQ(end.velocity.norm(), 0);
-  EXPECT_EQ(end.state, State::stick);
-  EXPECT_NEAR(end.position.norm(), 0.25 / (2 * deceleration), 1e-16);
-  EXPECT_EQ(t.summary().stops, 1);
-  EXPECT_NEAR(t.summary().stick_time, 1 - stop, 1e-14);
-}
-
 TEST(Trajectory, AgreesWithQuadruplePrecision) {
   const unsigned seed = 20260;
   std::cout << "seed " << seed << '\n';
@@ -97,19 +68,6 @@ TEST(Trajectory, StartsOnTheCircleUntilTheFirstPulseOpens) {
   EXPECT_NEAR(t.at(0.99 * opening).velocity.norm(), radius_speed, 1e-15);
   EXPECT_EQ(t.at(0.99 * opening).mu, 0.1);
   EXPECT_EQ(t.at(1.01 * opening).mu, 0.0125);
-}
-
-TEST(Trajectory, StartsOnTheSteadyOrbit) {
-  for (const double mu : {0.05, 0.1, 0.12, 0.3}) {
-    Scenario s = reference_run();
-    s.friction.nominal = mu;
-    s.start = Start::steady;
-    s.start_phase = 0.7;
-    s.cycles = 5;
-    const auto orbit = steady_orbit(s);
-    ASSERT_TRUE(orbit);
-    EXPECT_LT((integrate(s).end().position - 5 * orbit->drift).norm(), 1e-16);
-  }
 }
 
 /// Where the motion contracts noticeably, cycles repeat: more of them cost no more steps.

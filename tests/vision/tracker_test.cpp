@@ -102,9 +102,6 @@ TEST(Tracker, DiscThatLeavesIsEdgeThenLostAndDoesNotFailTheGate) {
     if (room > 1.2) {
       EXPECT_EQ(p.status, TrackStatus::ok) << p.frame;
     }
-    if (room < 0.8) {
-      EXPECT_NE(p.status, TrackStatus::ok) << p.frame;
-    }
     if (room < 0.8 && room > -20) {
       EXPECT_EQ(p.status, TrackStatus::edge) << p.frame;
     }
@@ -200,22 +197,6 @@ TEST(Tracker, TurningTexturedDiscIsFollowedThroughAllAngles) {
   const double off = std::hypot(result.summary.disc.x - truth(0).x, result.summary.disc.y - truth(0).y);
   EXPECT_LT(off, 0.3);
   expect_true(result, truth, off + 0.02);
-}
-
-TEST(Tracker, NumbersAndTimesAreTheRecordingsOwn) {
-  auto source = recording(80, 80, 30, [](std::int64_t k, TestScene& scene) {
-    scene.discs = {disc_at(40 + 0.1 * static_cast<double>(k), 40)};
-  });
-  source.number_from(-10);
-  TrackOptions options = follow(40.5, 40);
-  options.first_frame = -5;
-  options.last_frame = 7;
-  const TrackResult result = track(source, options);
-  ASSERT_EQ(result.track.points.size(), 13U);
-  EXPECT_EQ(result.track.points.front().frame, -5);
-  EXPECT_DOUBLE_EQ(result.track.points.front().time_s, 0.005);  // 0 at the first stored image
-  EXPECT_EQ(result.track.points.back().frame, 7);
-  EXPECT_NEAR(result.track.points.back().x, 41.7, 0.05);
 }
 
 TEST(Tracker, WhatIsNotWhollyInThePictureIsRefused) {

@@ -11,16 +11,6 @@
 namespace tribotrack::model {
 namespace {
 
-TEST(RivalLaws, WithoutStrengthAllAreThePapersLaw) {
-  for (const double mu1 : {0.06, 0.1, 0.122, 0.15}) {
-    Scenario scenario;
-    scenario.friction = {mu1, mu1 / 6, 0.4, 1.3, 0.2};
-    scenario.cycles = 6;
-    const Eigen::Vector2d exact = integrate(scenario).end().position;
-    EXPECT_LT((rival_displacement(scenario, {}, 1e-10) - exact).norm(), 1e-9 * exact.norm() + 1e-12) << mu1;
-  }
-}
-
 // Laws that stop and start the part at other times, side by side, are each as alone.
 TEST(RivalLaws, SideBySideEachIsAsAlone) {
   const std::vector<RivalLaw> laws{{},

@@ -66,7 +66,6 @@ TEST(AuditOfATrack, WhiteNoiseIsAsTheModelSays) {
   EXPECT_NEAR(halves(found.audit), 1, 0.1);
   EXPECT_NEAR(found.audit.high_frequency.value(), 1, 0.15);
   EXPECT_LT(std::sqrt(found.audit.white_factor), 1.05);
-  EXPECT_NEAR(found.standardised, 1, 0.1);
   EXPECT_EQ(found.warnings, 0U);
 }
 

@@ -82,14 +82,6 @@ Ink checkerboard(int columns, int rows) {
   };
 }
 
-CalibrationBoard board_of(int columns, int rows) {
-  CalibrationBoard board;
-  board.columns = columns;
-  board.rows = rows;
-  board.square_mm = kSquare;
-  return board;
-}
-
 /// Seven poses: the first flat on the platform, turned in its plane; the others tilted.
 std::vector<Pose> poses(double half_x, double half_y) {
   return {facing(0.02, -0.03, 0.1, 0.3, -0.2, 62, half_x, half_y),
@@ -99,24 +91,6 @@ std::vector<Pose> poses(double half_x, double half_y) {
           facing(0, -0.45, 0.1, 1, 2, 63, half_x, half_y),
           facing(0.35, 0.35, 0.3, -1, -1, 67, half_x, half_y),
           facing(-0.3, -0.35, -0.2, 0, 1, 66, half_x, half_y)};
-}
-
-struct Session {
-  CalibrationPicture plane;
-  std::vector<CalibrationPicture> pictures;
-};
-
-Session photograph_all(const TrueCamera& camera, const std::vector<Pose>& poses, const Ink& ink) {
-  Session session;
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    CalibrationPicture p{"picture" + std::to_string(k),
-                         photograph(camera, poses[k], ink, static_cast<unsigned>(k))};
-    if (k == 0)
-      session.plane = std::move(p);
-    else
-      session.pictures.push_back(std::move(p));
-  }
-  return session;
 }
 
 /// Distances on the platform between pixels, against the truth: the largest error in px.
@@ -141,8 +115,17 @@ double worst_distance_error(const CalibrationResult& result, const TrueCamera& c
 TEST(CalibrateCamera, ACheckerboardGivesBackCameraAndPlane) {
   const TrueCamera camera;
   const auto where = poses(4.5 * kSquare, 3.5 * kSquare);
-  const Session session = photograph_all(camera, where, checkerboard(9, 7));
-  const CalibrationResult r = calibrate_camera(board_of(9, 7), session.plane, session.pictures);
+  std::vector<CalibrationPicture> pictures;
+  for (std::size_t k = 0; k < where.size(); ++k)
+    pictures.push_back({"picture" + std::to_string(k),
+                        photograph(camera, where[k], checkerboard(9, 7), static_cast<unsigned>(k))});
+  const CalibrationPicture plane = std::move(pictures.front());
+  pictures.erase(pictures.begin());
+  CalibrationBoard board;
+  board.columns = 9;
+  board.rows = 7;
+  board.square_mm = kSquare;
+  const CalibrationResult r = calibrate_camera(board, plane, pictures);
   EXPECT_TRUE(r.left_out.empty());
   EXPECT_EQ(r.pictures.size(), 7u);
   EXPECT_EQ(r.pictures[0].corners, 48);

@@ -29,9 +29,6 @@ cv::Mat drawn_tag(const Dictionary& family, int id) {
   return cells;
 }
 
-}  // namespace tribotrack::vision
-
-namespace tribotrack::vision {
 namespace {
 
 struct Look {

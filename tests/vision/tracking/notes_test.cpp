@@ -87,12 +87,12 @@ TEST(AFoundDisc, ThatGoesWhereTheGroundGoesIsQuestioned) {
     track.points.push_back(p);
   }
   const Circle disc{60, 40, 12};
-  EXPECT_EQ(stillness_warning(track, disc), std::nullopt);
-  EXPECT_THAT(carried_warning(track, disc).value_or(""), testing::HasSubstr("goes where the ground goes"));
+  EXPECT_EQ(rest_warning(track, disc, false), std::nullopt);
+  EXPECT_THAT(rest_warning(track, disc, true).value_or(""), testing::HasSubstr("goes where the ground goes"));
   track.points.back().x += 2;
-  EXPECT_EQ(carried_warning(track, disc), std::nullopt);
+  EXPECT_EQ(rest_warning(track, disc, true), std::nullopt);
   for (TrackPoint& p : track.points) p.marker.reset();
-  EXPECT_EQ(carried_warning(track, disc), std::nullopt);
+  EXPECT_EQ(rest_warning(track, disc, true), std::nullopt);
 }
 
 }  // namespace

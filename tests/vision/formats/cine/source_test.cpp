@@ -185,15 +185,6 @@ TEST_F(CineSourceTest, MissingImagesAreFoundByTheirStamps) {
   const auto source = open(cine);
   EXPECT_EQ(source->time_s(4), 7 / 64.0);
   EXPECT_THAT(source->info().notes, ElementsAre(HasSubstr("3 frames are missing between image -82 and -81")));
-  EXPECT_EQ(open(cine, {.frame_rate_hz = 100.0})->time_s(4), 0.07) << "no rate erases them";
-}
-
-TEST_F(CineSourceTest, ADamagedAnnotationIsNamed) {
-  CineByHand cine;
-  FileBytes bytes = cine.bytes();
-  bytes[cine.positions[1] + 2] = 0xFF;
-  write_bytes(file("a.cine"), bytes);
-  EXPECT_THAT(input_error(file("a.cine")), AllOf(HasSubstr("a.cine"), HasSubstr("annotation of image -84")));
 }
 
 TEST_F(CineSourceTest, AFileThatShrinksWhileReadIsAnErrorNotASignal) {

@@ -42,14 +42,6 @@ void expect_exact_random_access(const std::filesystem::path& path, int reads) {
   }
 }
 
-TEST_F(LibavSourceTest, AnyFrameAtAnyTime) {
-  for (const char* name : {"a.mkv", "a.avi", "a.mp4"}) {
-    SCOPED_TRACE(name);
-    write_recording(file(name), options(), 60);
-    expect_exact_random_access(file(name), 40);
-  }
-}
-
 TEST_F(LibavSourceTest, AnyFrameOfVideosThatStoreFramesOutOfOrder) {
   if (std::system("ffmpeg -version > /dev/null 2>&1") != 0)
     GTEST_SKIP() << "no ffmpeg to write such videos with";
@@ -157,8 +149,6 @@ TEST_F(LibavSourceTest, WhatIsNoVideo) {
   write_bytes(file("c.mp4"), {});
   EXPECT_THAT(input_error(file("c.mp4")), HasSubstr("empty"));
   EXPECT_THAT(input_error(file("missing.mp4")), HasSubstr("No such file"));
-  write_bytes(file("d.mraw"), {1, 2, 3});
-  EXPECT_THAT(input_error(file("d.mraw")), HasSubstr("Photron"));
 }
 
 TEST_F(LibavSourceTest, TheCamerasSidecarBeatsTheContainer) {

@@ -98,15 +98,6 @@ TEST_F(PictureSourceTest, PagesOfAStackInAnyOrder) {
   }
 }
 
-TEST_F(PictureSourceTest, AStackCutShortIsNoticed) {
-  const FileBytes whole = tiff_16(16, 8, 6);
-  for (const std::size_t length :
-       {std::size_t{0}, std::size_t{6}, std::size_t{100}, whole.size() / 2, whole.size() - 130}) {
-    write_bytes(file("a.tif"), FileBytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)));
-    EXPECT_THAT(input_error(file("a.tif")), HasSubstr("a.tif")) << length;
-  }
-}
-
 TEST(RealPictures, MechanismAndSpeckle) {
   if (real_data().empty()) GTEST_SKIP() << "TRIBOTRACK_REAL_DATA names no folder";
   const auto mechanism = open_source(real_data() / "mechanism");
