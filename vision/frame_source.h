@@ -202,4 +202,8 @@ bool is_number_pattern(const std::filesystem::path& path);
 /// it, before there is another thread.
 void set_up_process();
 
+/// "OpenCV 4.6.0, libavformat 59.27.100, libavcodec 59.37.100": what vision/ stands on, as the program was
+/// compiled.
+std::string libraries();
+
 }  // namespace tribotrack::vision

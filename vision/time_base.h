@@ -73,8 +73,8 @@ struct TimeBase {
 };
 
 /// Rates that players and muxers write independently of the camera: 24, 25, 29.97, 30, 50, 59.94, 60, 600,
-/// 1000 and 65535, within 0.15 % (which takes in 23.976). The nominal rate, or nothing.
-std::optional<double> usual_playback_rate(double rate_hz);
+/// 1000 and 65535, within the tolerance (0.15 % takes in 23.976). The nominal rate, or nothing.
+std::optional<double> usual_playback_rate(double rate_hz, double tolerance = 0.0015);
 
 /// The rate given by the user, and how the user knows. Throws InputError unless it is a positive finite
 /// number.

@@ -16,7 +16,7 @@
 #include "apps/usage/commit.h"
 #include "apps/usage/wrong_usage.h"
 #include "fit/estimate.h"
-#include "vision/libraries.h"
+#include "vision/frame_source.h"
 #include "vision/temporary_file.h"
 
 namespace tribotrack::apps {

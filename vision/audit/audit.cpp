@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <boost/math/special_functions/binomial.hpp>
 #include <cmath>
 
 #include "vision/kernels/dense.h"
@@ -112,9 +113,7 @@ constexpr int kHighestOrder = 6;
 constexpr double kCertain = 3;
 
 double choose(int n, int k) {
-  double out = 1;
-  for (int i = 1; i <= k; ++i) out = out * (n - k + i) / i;
-  return out;
+  return boost::math::binomial_coefficient<double>(static_cast<unsigned>(n), static_cast<unsigned>(k));
 }
 
 /// Appends the p-th differences over what their standard deviation would be.

@@ -202,12 +202,9 @@ class PictureWatch : public FrameSource {
     source_.read(index, {0, info_.height / 2, info_.width, 1}, kept(index));
     bool same = index > first_ && equal(kept(index), kept(index - 1));
     if (same) {
-      if (whole_index_ != index - 1) source_.read(index - 1, bounds(), whole_);
-      Picture whole;
-      source_.read(index, bounds(), whole);
-      same = equal(whole, whole_);
-      whole_ = std::move(whole);
-      whole_index_ = index;
+      source_.read(index - 1, bounds(), whole_before_);
+      source_.read(index, bounds(), whole_);
+      same = equal(whole_before_, whole_);
     }
     step_.push_back(same ? 0 : 1);
     over_.push_back(NAN);
@@ -217,8 +214,7 @@ class PictureWatch : public FrameSource {
   FrameSource& source_;
   std::int64_t first_ = -1, next_ = -1;  ///< indices of the first frame looked at, and of the next one
   std::array<Picture, 4> kept_;
-  std::int64_t whole_index_ = -1;  ///< not decoded: of the whole picture in whole_
-  Picture whole_;
+  Picture whole_before_, whole_;  ///< not decoded: two that may be equal
   /// Of frame first_ + k: by how much it differs from the one before, and the one before from the one after
   /// next: that is, two steps on. Grey levels, see step_of.
   std::vector<float> step_, over_;

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "vision/kernels/median.h"
 #include "vision/kernels/plane.h"
-#include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -38,31 +36,13 @@ double usual_of(std::vector<double>& blocks) {
   return estimate;
 }
 
-/// Sums of the differences and of their squares over 8 x 8 px blocks next to each other: first down the
-/// columns, which is exact for whole levels and goes eight columns at a time.
-TRIBOTRACK_CLONES void add_difference(const float* a, const float* b, std::size_t n, double* sums,
-                                      double* squares) {
-  for (std::size_t i = 0; i < n; ++i) {
-    const double d = static_cast<double>(a[i]) - static_cast<double>(b[i]);
-    sums[i] += d;
-    squares[i] += d * d;
-  }
-}
-
-/// Squares of (1, -2, 1) down and across.
-TRIBOTRACK_CLONES void add_bends(const float* above, const float* here, const float* below, std::size_t n,
-                                 double* squares) {
-  const auto down = [&](std::size_t i) {
-    return static_cast<double>(above[i]) - 2.0 * static_cast<double>(here[i]) + static_cast<double>(below[i]);
-  };
-  for (std::size_t i = 1; i + 1 < n; ++i) {
-    const double d = down(i - 1) - 2 * down(i) + down(i + 1);
-    squares[i] += d * d;
-  }
-}
-
-double total(const double* from, int count) {
-  return std::accumulate(from, from + count, 0.0);
+/// Means over blocks of so many px a side, next to each other in rows as high; exact for whole levels.
+cv::Mat_<double> block_means(const cv::Mat& rows, int block) {
+  cv::Mat_<double> means;
+  if (rows.cols < block) return means;
+  const cv::Rect whole(0, 0, rows.cols / block * block, block);
+  cv::resize(rows(whole), means, {rows.cols / block, 1}, 0, 0, cv::INTER_AREA);
+  return means;
 }
 
 /// Of so many rows of blocks one is looked at: a large picture holds more than are needed.
@@ -74,21 +54,19 @@ int row_stride(const Picture& picture, int block) {
 
 void NoiseEstimate::add_pair(const Picture& a, const Picture& b) {
   std::vector<double> blocks;
-  const auto width = static_cast<std::size_t>(a.width());
-  std::vector<double> sums(width), squares(width);
   // Each pair looks at other rows.
   const int stride = row_stride(a, kPairBlock);
-  for (int y0 = pairs_ % stride * kPairBlock; y0 + kPairBlock <= a.height(); y0 += stride * kPairBlock) {
-    std::ranges::fill(sums, 0.0);
-    std::ranges::fill(squares, 0.0);
-    for (int y = y0; y < y0 + kPairBlock; ++y)
-      add_difference(a.row(y).data(), b.row(y).data(), width, sums.data(), squares.data());
-    for (int x0 = 0; x0 + kPairBlock <= a.width(); x0 += kPairBlock) {
-      const double s = total(sums.data() + x0, kPairBlock), q = total(squares.data() + x0, kPairBlock);
-      constexpr double n = kPairBlock * kPairBlock;
-      const double variance = (q - s * s / n) / (n - 1) / 2;
-      if (variance > 0) blocks.push_back(variance);  // 0: black, clipped, or a repeated frame
-    }
+  for (int y = pairs_ % stride * kPairBlock; y + kPairBlock <= a.height(); y += stride * kPairBlock) {
+    cv::Mat off;
+    cv::subtract(matrix_of(a).rowRange(y, y + kPairBlock), matrix_of(b).rowRange(y, y + kPairBlock), off,
+                 cv::noArray(), CV_64F);
+    const cv::Mat_<double> mean = block_means(off, kPairBlock),
+                           square = block_means(off.mul(off), kPairBlock);
+    constexpr double n = kPairBlock * kPairBlock;
+    for (int x = 0; x < mean.cols; ++x)
+      if (const double variance = (square(x) - mean(x) * mean(x)) * n / (n - 1) / 2;
+          variance > 0)  // 0: black, clipped, or a repeated frame
+        blocks.push_back(variance);
   }
   if (blocks.empty()) return;
   sum_ += usual_of(blocks);
@@ -102,17 +80,17 @@ double NoiseEstimate::variance(const Picture& first) const {
 }
 
 double noise_variance(const Picture& picture) {
+  if (picture.width() < kBlock + 2) return kRounding;
   std::vector<double> blocks;
-  std::vector<double> squares(static_cast<std::size_t>(picture.width()));
+  const cv::Mat_<float> bend = (cv::Mat_<float>(3, 1) << 1, -2, 1);
   const int stride = row_stride(picture, kBlock / 2);
-  for (int y0 = 1; y0 + kBlock < picture.height(); y0 += stride * kBlock) {
-    std::ranges::fill(squares, 0.0);
-    for (int y = y0; y < y0 + kBlock; ++y)
-      add_bends(picture.row(y - 1).data(), picture.row(y).data(), picture.row(y + 1).data(), squares.size(),
-                squares.data());
-    for (int x0 = 1; x0 + kBlock < picture.width(); x0 += kBlock)
-      if (const double q = total(squares.data() + x0, kBlock); q > 0)
-        blocks.push_back(q / (36.0 * kBlock * kBlock));
+  for (int y = 1; y + kBlock < picture.height(); y += stride * kBlock) {
+    cv::Mat bends;
+    cv::sepFilter2D(matrix_of(picture).rowRange(y - 1, y + kBlock + 1), bends, CV_64F, bend, bend);
+    const cv::Mat inner = bends(cv::Rect(1, 1, picture.width() - 2, kBlock));
+    const cv::Mat_<double> squares = block_means(inner.mul(inner), kBlock);
+    for (const double square : squares)
+      if (square > 0) blocks.push_back(square / 36);
   }
   return std::max(median(blocks), kRounding);
 }

@@ -8,7 +8,9 @@
 #include <numbers>
 
 #include "vision/discs/rim_steps.h"
+#include "vision/io/levels.h"
 #include "vision/kernels/median.h"
+#include "vision/kernels/plane.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -186,12 +188,10 @@ RimPixels rim_pixels(const Picture& picture, const Circle& c, double band) {
   const auto expected = static_cast<std::size_t>(std::max(0.0, 4.2 * kPi * c.radius * band) + 64);
   for (auto* v : {&pixels.x, &pixels.y, &pixels.level}) v->reserve(expected);
   const double reach = c.radius + band;
-  const int x0 = std::max(0, static_cast<int>(std::floor(c.x - reach)));
-  const int x1 = std::min(picture.width() - 1, static_cast<int>(std::ceil(c.x + reach)));
-  const int y0 = std::max(0, static_cast<int>(std::floor(c.y - reach)));
-  const int y1 = std::min(picture.height() - 1, static_cast<int>(std::ceil(c.y + reach)));
+  const Rect about = window_about({c.x, c.y}, reach, bounds_of(picture));
+  const int x0 = about.x, x1 = about.x + about.width - 1;
   const double least = std::pow(std::max(0.0, c.radius - band), 2), most = reach * reach;
-  for (int y = y0; y <= y1; ++y) {
+  for (int y = about.y; y < about.y + about.height; ++y) {
     const float* row = picture.row(y).data();
     const double across = (y - c.y) * (y - c.y);
     // Left of the inner circle and right of it; without one, all at once.

@@ -22,7 +22,6 @@
 #include "vision/io/levels.h"
 #include "vision/io/picture_files.h"
 #include "vision/kernels/plane.h"
-#include "vision/libraries.h"
 
 namespace tribotrack::vision {
 namespace {

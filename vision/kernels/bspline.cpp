@@ -233,19 +233,21 @@ TRIBOTRACK_CLONES void places_of(const Places& places, float* value, float* slop
   }
 }
 
-}  // namespace
-
+/// b(t - k) for k = -2 .. 3, t in [0, 1): weights of the six coefficients around t.
 std::array<double, 6> quintic_weights(double t) {
   VectorOf<double, 8>::type w;
   quintic_lanes(t, w);
   return {w[0], w[1], w[2], w[3], w[4], w[5]};
 }
 
+/// Their derivatives by t.
 std::array<double, 6> quintic_slopes(double t) {
   VectorOf<double, 8>::type s;
   quintic_slope_lanes(t, s);
   return {s[0], s[1], s[2], s[3], s[4], s[5]};
 }
+
+}  // namespace
 
 SplineTaps spline_taps(double fraction_x, double fraction_y) {
   const auto narrow = [](const std::array<double, 6>& from) {

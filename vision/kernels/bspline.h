@@ -14,12 +14,7 @@
 
 namespace tribotrack::vision {
 
-/// b(t - k) for k = -2 .. 3, t in [0, 1): weights of the six coefficients around t.
-std::array<double, 6> quintic_weights(double t);
-/// Their derivatives with respect to t.
-std::array<double, 6> quintic_slopes(double t);
-
-/// Both, along both axes, in the kernels' precision.
+/// Weights of the six coefficients around t, and their derivatives by t, along both axes.
 SplineTaps spline_taps(double fraction_x, double fraction_y);
 
 /// Value and gradient of a spline at one place.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/io/levels.h"
 #include "vision/kernels/median.h"
 #include "vision/kernels/plane.h"
 
@@ -61,11 +62,7 @@ Pattern disc_pattern(const Picture& first, const Circle& disc, double margin) {
   pattern.centre = {disc.x, disc.y};
   pattern.radius = disc.radius;
   const double mask = disc.radius + margin;
-  const int x0 = std::max(0, static_cast<int>(std::floor(disc.x - mask)));
-  const int y0 = std::max(0, static_cast<int>(std::floor(disc.y - mask)));
-  const int x1 = std::min(first.width() - 1, static_cast<int>(std::ceil(disc.x + mask)));
-  const int y1 = std::min(first.height() - 1, static_cast<int>(std::ceil(disc.y + mask)));
-  pattern.window = {x0, y0, x1 - x0 + 1, y1 - y0 + 1};
+  pattern.window = window_about(pattern.centre, mask, bounds_of(first));
   pattern.weights = Picture(pattern.window.width, pattern.window.height);
   const std::vector<float> profile = radial_profile(first, pattern.centre, mask + 1);
   const double inner = profile_at(profile, std::max(0.0, disc.radius - 3));
@@ -73,10 +70,11 @@ Pattern disc_pattern(const Picture& first, const Circle& disc, double margin) {
   const double foreign = kForeign * std::abs(inner - outer);
   for (int y = 0; y < pattern.window.height; ++y)
     for (int x = 0; x < pattern.window.width; ++x) {
-      const double rho = std::hypot(x + x0 - disc.x, y + y0 - disc.y);
+      const double rho = std::hypot(x + pattern.window.x - disc.x, y + pattern.window.y - disc.y);
       if (rho > mask) continue;
       const bool outside = rho > disc.radius + 0.5;
-      const bool differs = std::abs(first.at(x + x0, y + y0) - profile_at(profile, rho)) > foreign;
+      const bool differs =
+          std::abs(first.at(x + pattern.window.x, y + pattern.window.y) - profile_at(profile, rho)) > foreign;
       pattern.weights.at(x, y) = outside && differs ? 0.0F : 1.0F;
     }
   return pattern;

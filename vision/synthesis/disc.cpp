@@ -93,33 +93,15 @@ RowBand row_band(const BlurredCircle& circle, std::span<const Point> centres, in
 namespace {
 
 constexpr double kReach = 4.5;       // scratch blurs beyond which nothing of a scratch is left
+constexpr double kCorner = 0.75;     // and from a pixel's centre to its corner, px
 constexpr double kTolerance = 2e-5;  // of the contrast
 constexpr double kSqrt2 = std::numbers::sqrt2;
-
-/// Mean of exp(-x^2 / (2 width^2)) over the pixel around x.
-double pixel_mean_of_lobe(double x, double width) {
-  const double scale = 1 / (kSqrt2 * width);
-  return width * std::sqrt(std::numbers::pi / 2) *
-         (std::erf((x + 0.5) * scale) - std::erf((x - 0.5) * scale));
-}
 
 /// Distance of the farther end from the disc's centre.
 double scratch_extent(const DiscLayer::Scratch& s) {
   const double x = s.half_length * s.cosine;
   const double y = s.half_length * s.sine;
   return std::max(std::hypot(s.u + x, s.v + y), std::hypot(s.u - x, s.v - y));
-}
-
-/// x in [low, high] such that |slope x + offset| <= limit also holds.
-void narrow(double slope, double offset, double limit, double& low, double& high) {
-  if (std::abs(slope) < 1e-12) {
-    if (std::abs(offset) > limit) high = low - 1;
-    return;
-  }
-  const double a = (-limit - offset) / slope;
-  const double b = (limit - offset) / slope;
-  low = std::max(low, std::min(a, b));
-  high = std::min(high, std::max(a, b));
 }
 
 }  // namespace
@@ -131,7 +113,8 @@ DiscLayer::DiscLayer(const DiscAppearance& disc, std::uint64_t seed)
       highlight_offset_(-0.35 * disc.radius_px),
       highlight_width_(0.45 * disc.radius_px),
       scratch_blur_(std::max(disc.edge_blur_px, 0.02 * disc.radius_px)),
-      scratch_rule_(gauss_legendre(gauss_points_for_edge(scratch_blur_, kTolerance))) {
+      point_(gauss_legendre(1)),
+      pixel_(gauss_legendre(gauss_points_for_edge(scratch_blur_, kTolerance))) {
   const CounterRandom random(seed, 0xd15cu);
   for (int j = 0; j < disc.scratches; ++j) {
     const double distance = 0.75 * disc.radius_px * std::sqrt(random.uniform(4 * j));
@@ -163,90 +146,66 @@ double DiscLayer::scratch_profile(const Scratch& scratch, double along, double a
   return profile;
 }
 
-double DiscLayer::colour(double dx, double dy, double cos_theta, double sin_theta) const {
-  const double u = cos_theta * dx - sin_theta * dy;
-  const double v = -sin_theta * dx - cos_theta * dy;
-  const double hx = dx - highlight_offset_;
-  const double hy = dy - highlight_offset_;
-  double colour = level_;
-  if (highlight_ != 0) {
-    colour += highlight_ * std::exp(-0.5 * (hx * hx + hy * hy) / (highlight_width_ * highlight_width_));
-  }
-  const double distance = std::sqrt(dx * dx + dy * dy);
+double DiscLayer::mean_scratch(const Scratch& scratch, Point from_centre, double cosine, double sine,
+                               const QuadratureRule& rule) const {
+  const double du = cosine * from_centre.x - sine * from_centre.y - scratch.u;
+  const double dv = -sine * from_centre.x - cosine * from_centre.y - scratch.v;
+  const double along = scratch.cosine * du + scratch.sine * dv;
+  const double across = scratch.cosine * dv - scratch.sine * du;
+  if (std::abs(across) > kReach * scratch_blur_ + kCorner) return 0;
+  // The scratch's direction in the picture.
+  const double ex = scratch.cosine * cosine - scratch.sine * sine;
+  const double ey = -(scratch.sine * cosine + scratch.cosine * sine);
+  double mean = 0;
+  for (std::size_t j = 0; j < rule.nodes.size(); ++j)
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i)
+      mean += rule.weights[i] * rule.weights[j] *
+              scratch_profile(scratch, along + ex * rule.nodes[i] + ey * rule.nodes[j],
+                              across + ey * rule.nodes[i] - ex * rule.nodes[j]);
+  return mean;
+}
+
+double DiscLayer::mean_scratches(Point from_centre, double cosine, double sine,
+                                 const QuadratureRule& rule) const {
+  const double distance = std::hypot(from_centre.x, from_centre.y);
+  double sum = 0;
   for (const Scratch& scratch : scratches_) {
-    if (distance > scratch.outermost) break;  // nor do the others reach so far
-    const double du = u - scratch.u;
-    const double dv = v - scratch.v;
-    colour += scratch.contrast * scratch_profile(scratch, scratch.cosine * du + scratch.sine * dv,
-                                                 scratch.cosine * dv - scratch.sine * du);
+    if (distance > scratch.outermost + kCorner) break;  // nor do the others reach so far
+    sum += scratch.contrast * mean_scratch(scratch, from_centre, cosine, sine, rule);
   }
-  return colour;
+  return sum;
+}
+
+double DiscLayer::mean_lobe(double from_centre, const QuadratureRule& rule) const {
+  double mean = 0;
+  for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+    const double z = (from_centre + rule.nodes[i] - highlight_offset_) / highlight_width_;
+    mean += rule.weights[i] * std::exp(-0.5 * z * z);
+  }
+  return mean;
+}
+
+double DiscLayer::colour(double dx, double dy, double cosine, double sine) const {
+  const double lobe = highlight_ != 0 ? mean_lobe(dx, point_) * mean_lobe(dy, point_) : 0;
+  return level_ + highlight_ * lobe + mean_scratches({dx, dy}, cosine, sine, point_);
 }
 
 void DiscLayer::render_interior(std::span<const ExposureNode> nodes, std::span<const PixelSpan> filled,
                                 Picture& picture) const {
-  for (int y = 0; y < picture.height(); ++y) {
-    for (int x = filled[y].first; x <= filled[y].last; ++x) picture.at(x, y) = static_cast<float>(level_);
-  }
-  for (const ExposureNode& node : nodes) {
-    if (highlight_ != 0) add_highlight(node, filled, picture);
-    for (const Scratch& scratch : scratches_) add_scratch(scratch, node, filled, picture);
-  }
-}
-
-void DiscLayer::add_highlight(const ExposureNode& node, std::span<const PixelSpan> filled,
-                              Picture& picture) const {
-  const double x_lobe = node.pose.disc.x + highlight_offset_;
-  const double y_lobe = node.pose.disc.y + highlight_offset_;
-  std::vector<float> columns(picture.width(), -1.0F);
-  for (int y = 0; y < picture.height(); ++y) {
-    if (filled[y].empty()) continue;
-    const auto strength =
-        static_cast<float>(node.weight * highlight_ * pixel_mean_of_lobe(y - y_lobe, highlight_width_));
-    for (int x = filled[y].first; x <= filled[y].last; ++x) {
-      if (columns[x] < 0) columns[x] = static_cast<float>(pixel_mean_of_lobe(x - x_lobe, highlight_width_));
-      picture.at(x, y) += strength * columns[x];
-    }
-  }
-}
-
-void DiscLayer::add_scratch(const Scratch& scratch, const ExposureNode& node,
-                            std::span<const PixelSpan> filled, Picture& picture) const {
-  // Middle and direction in pixels, y down.
-  const double c = std::cos(node.pose.theta);
-  const double s = std::sin(node.pose.theta);
-  const double x0 = node.pose.disc.x + c * scratch.u - s * scratch.v;
-  const double y0 = node.pose.disc.y - s * scratch.u - c * scratch.v;
-  const double ex = c * scratch.cosine - s * scratch.sine;
-  const double ey = -(s * scratch.cosine + c * scratch.sine);
-  const double corner = 0.75;  // from a pixel's centre to its corner
-  const double across_limit = kReach * scratch_blur_ + corner;
-  const double along_limit = across_limit + scratch.half_length;
-  const double half_height = along_limit * std::abs(ey) + across_limit * std::abs(ex);
-  const double last_row = picture.height() - 1.0;
-  const int y_first = static_cast<int>(std::ceil(std::clamp(y0 - half_height, 0.0, last_row + 1)));
-  const int y_last = static_cast<int>(std::floor(std::clamp(y0 + half_height, -1.0, last_row)));
-  for (int y = y_first; y <= y_last; ++y) {
-    if (filled[y].empty()) continue;
-    double low = filled[y].first - x0;
-    double high = filled[y].last - x0;
-    narrow(ex, ey * (y - y0), along_limit, low, high);
-    narrow(ey, -ex * (y - y0), across_limit, low, high);
-    if (low > high) continue;
-    for (int x = static_cast<int>(std::ceil(low + x0)); x <= static_cast<int>(std::floor(high + x0)); ++x) {
-      double mean = 0;
-      for (std::size_t j = 0; j < scratch_rule_.nodes.size(); ++j) {
-        const double dy = y + scratch_rule_.nodes[j] - y0;
-        double row_mean = 0;
-        for (std::size_t i = 0; i < scratch_rule_.nodes.size(); ++i) {
-          const double dx = x + scratch_rule_.nodes[i] - x0;
-          // Seen with y up the direction's left is positive; the profile is symmetric and does not care.
-          row_mean +=
-              scratch_rule_.weights[i] * scratch_profile(scratch, ex * dx + ey * dy, ey * dx - ex * dy);
-        }
-        mean += scratch_rule_.weights[j] * row_mean;
-      }
-      picture.at(x, y) += static_cast<float>(node.weight * scratch.contrast * mean);
+  for (int y = 0; y < picture.height(); ++y)
+    for (int x = filled[y].first; x <= filled[y].last; ++x) picture.at(x, y) = 0;
+  std::vector<double> lobe(static_cast<std::size_t>(picture.width()));
+  for (const auto& [weight, pose] : nodes) {
+    const double cosine = std::cos(pose.theta), sine = std::sin(pose.theta);
+    for (int x = 0; x < picture.width(); ++x)
+      lobe[static_cast<std::size_t>(x)] = highlight_ * mean_lobe(x - pose.disc.x, pixel_);
+    for (int y = 0; y < picture.height(); ++y) {
+      if (filled[y].empty()) continue;
+      const double lobe_of_row = mean_lobe(y - pose.disc.y, pixel_);
+      for (int x = filled[y].first; x <= filled[y].last; ++x)
+        picture.at(x, y) += static_cast<float>(
+            weight * (level_ + lobe[static_cast<std::size_t>(x)] * lobe_of_row +
+                      mean_scratches({x - pose.disc.x, y - pose.disc.y}, cosine, sine, pixel_)));
     }
   }
 }

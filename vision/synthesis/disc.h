@@ -89,7 +89,7 @@ class DiscLayer {
 
   const BlurredCircle& edge() const { return edge_; }
   /// Of the disc alone, as if it had no edge.
-  double colour(double dx, double dy, double cos_theta, double sin_theta) const;
+  double colour(double dx, double dy, double cosine, double sine) const;
 
   /// Pixel means, averaged over the exposure, written into the pixels the disc fills throughout it. They are
   /// given as one span per row of the picture.
@@ -98,9 +98,12 @@ class DiscLayer {
 
  private:
   double scratch_profile(const Scratch& scratch, double along, double across) const;
-  void add_highlight(const ExposureNode& node, std::span<const PixelSpan> filled, Picture& picture) const;
-  void add_scratch(const Scratch& scratch, const ExposureNode& node, std::span<const PixelSpan> filled,
-                   Picture& picture) const;
+  // Means over the rule's nodes about a place.
+  double mean_scratch(const Scratch& scratch, Point from_centre, double cosine, double sine,
+                      const QuadratureRule& rule) const;
+  double mean_scratches(Point from_centre, double cosine, double sine, const QuadratureRule& rule) const;
+  /// Along one axis: exp(-(d - h)^2 / (2 q^2)).
+  double mean_lobe(double from_centre, const QuadratureRule& rule) const;
 
   BlurredCircle edge_;
   double level_ = 0;
@@ -109,7 +112,7 @@ class DiscLayer {
   double highlight_width_ = 1;
   double scratch_blur_ = 1;
   std::vector<Scratch> scratches_;  // outermost first
-  QuadratureRule scratch_rule_;
+  QuadratureRule point_, pixel_;
 };
 
 // The fiducial marker of a synthetic scene: a dark dot on a bright ring, fixed to the platform.

@@ -209,13 +209,6 @@ std::string played_at(double rate_hz) {
   return fmt::format("{:.5g} is a playback rate that files carry independently of the camera", rate_hz);
 }
 
-/// An uneven rate need not hit a playback rate to be one.
-std::optional<double> nearly_playback_rate(double rate_hz) {
-  for (double share = -0.02; share <= 0.0201; share += 0.001)
-    if (const auto usual = usual_playback_rate(rate_hz * (1 + share))) return usual;
-  return std::nullopt;
-}
-
 /// Stamps on a line: is its rate one to use?
 void judge_line(const ClockEvidence& evidence, const Slots& found, JudgedStamps& stamps) {
   TimeBaseCandidate& candidate = stamps.candidate;
@@ -248,7 +241,8 @@ void judge_steps(const ClockEvidence& evidence, JudgedStamps& stamps) {
   }
   for (const std::int64_t tick : evidence.ticks)
     stamps.times_s.push_back(static_cast<double>(tick - evidence.ticks[0]) * evidence.tick_s);
-  if (const auto usual = nearly_playback_rate(candidate.rate_hz); usual && !evidence.by_camera) {
+  // An uneven rate need not hit a playback rate to be one.
+  if (const auto usual = usual_playback_rate(candidate.rate_hz, 0.02); usual && !evidence.by_camera) {
     candidate.reason = "they are not uniform, and " + played_at(*usual);
     return;
   }

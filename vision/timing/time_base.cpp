@@ -33,9 +33,8 @@ std::string TimeBase::why_unknown() const {
   return text + "; give the rate the camera recorded at with --fps HZ (campaign: frame_rate_hz)";
 }
 
-std::optional<double> usual_playback_rate(double rate_hz) {
+std::optional<double> usual_playback_rate(double rate_hz, double tolerance) {
   constexpr std::array<double, 10> usual = {24, 25, 29.97, 30, 50, 59.94, 60, 600, 1000, 65535};
-  constexpr double tolerance = 0.0015;
   std::optional<double> nearest;
   for (double rate : usual) {
     if (std::abs(rate_hz / rate - 1) > tolerance) continue;

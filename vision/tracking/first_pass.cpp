@@ -194,8 +194,8 @@ Track FirstPass::finish() {
     summary_.plan.push_back(rim_stage(by_rim, summary_.ok));
   }
   if (options_.target.kind == Target::Kind::find_disc) {
-    const auto still = stillness_warning(track_, summary_.disc);
-    add(summary_.warnings, still ? still : carried_warning(track_, summary_.disc));
+    const auto still = rest_warning(track_, summary_.disc, false);
+    add(summary_.warnings, still ? still : rest_warning(track_, summary_.disc, true));
     summary_.rests_for_ever = still.has_value();
     if (still) summary_.gate_passed = false;
   }

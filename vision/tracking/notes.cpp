@@ -75,23 +75,17 @@ std::optional<double> range_of(const Track& track, bool against_marker) {
 
 }  // namespace
 
-std::optional<std::string> stillness_warning(const Track& track, const Circle& disc) {
-  const auto range = range_of(track, false);
+std::optional<std::string> rest_warning(const Track& track, const Circle& disc, bool against_marker) {
+  const auto range = range_of(track, against_marker);
   if (!range || *range > kStill) return std::nullopt;
   return fmt::format(
-      "the disc that was found at ({:.1f}, {:.1f}) px stays within {:.2f} px and is no moving part: give "
-      "the part with --disc X,Y,R",
-      disc.x, disc.y, *range);
-}
-
-std::optional<std::string> carried_warning(const Track& track, const Circle& disc) {
-  const auto range = range_of(track, true);
-  if (!range || *range > kStill) return std::nullopt;
-  return fmt::format(
-      "the disc that was found at ({:.1f}, {:.1f}) px goes where the ground goes, within {:.2f} px: the "
-      "part, "
-      "held by the platform, or something fixed to it? Give the part with --disc X,Y,R",
-      disc.x, disc.y, *range);
+      "the disc that was found at ({:.1f}, {:.1f}) px {}", disc.x, disc.y,
+      against_marker
+          ? fmt::format("goes where the ground goes, within {:.2f} px: the part, held by the platform, or "
+                        "something fixed to it? Give the part with --disc X,Y,R",
+                        *range)
+          : fmt::format("stays within {:.2f} px and is no moving part: give the part with --disc X,Y,R",
+                        *range));
 }
 
 std::optional<std::string> without_a_mark(Track& track, std::size_t begin) {

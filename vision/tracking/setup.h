@@ -23,10 +23,9 @@ FrameCounts count(const Track& track, double max_lost_share);
 /// What the ground shows; `learnt_from` frames, 0: it is not followed.
 PlanStage ground_marker_stage(const std::string& ground, int learnt_from);
 std::string no_rim_warning(const char* what, const Circle& given);
-/// A disc that was found, not given, and never moves may be a mark on the table.
-std::optional<std::string> stillness_warning(const Track& track, const Circle& disc);
-/// One that goes where the ground or the mark goes may be fixed to it.
-std::optional<std::string> carried_warning(const Track& track, const Circle& disc);
+/// A disc that was found, not given, and never moves may be a mark on the table; one that goes where the
+/// ground or the mark goes may be fixed to it.
+std::optional<std::string> rest_warning(const Track& track, const Circle& disc, bool against_marker);
 
 /// What is taken for a part that has left and come back, from point number `begin` until it is lost again,
 /// must move, or else it is a mark on the ground: then those points become lost, and it is said.

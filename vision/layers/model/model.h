@@ -126,8 +126,6 @@ class GroundPicture {
   /// it beside the part), t the texture; so t^2 where it was never seen.
   const Picture& variance() const { return variance_; }
   double mean() const { return mean_; }
-  /// Grey levels rms beyond the noise, over all places that are known.
-  double texture() const { return texture_; }
 
  private:
   void see_beside(const KeptWindow& window, int part_half, const QuinticSpline& level,
