@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "fit/minimum/minimise.h"
+#include "fit/minimum/multi_start.h"
 #include "fit/tools/dense.h"
 #include "fit/tools/thresholds.h"
 
@@ -76,9 +77,20 @@ void descend(Place& place, const MinimiseOptions& options) {
 }  // namespace
 
 Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z, const MinimiseOptions& options) {
-  if (!residuals.linear_in_conditions()) return minimise(residuals, z, options);
+  const Unknowns& unknowns = residuals.unknowns();
+  if (!residuals.linear_in_conditions()) {
+    Minimum minimum = minimise(residuals, z, options);
+    minimum.z = fold_lag(unknowns, minimum.z);
+    return minimum;
+  }
   Place place = full_at(residuals, z);
   if (!place.minimum.at.empty()) descend(place, options);
+  // Where pulses do little the search may go round.
+  if (const Eigen::VectorXd folded = fold_lag(unknowns, place.minimum.z); folded != place.minimum.z) {
+    const bool converged = place.minimum.converged;
+    place = full_at(place.residuals, folded);
+    place.minimum.converged = converged;
+  }
   residuals = std::move(place.residuals);
   return place.minimum;
 }

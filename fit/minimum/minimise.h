@@ -41,7 +41,8 @@ Minimum minimise(const Residuals& residuals, const Eigen::VectorXd& start,
 
 /// Of residuals that are linear in the conditions: the minimum of the full model by Levenberg and Marquardt's
 /// method, the residuals linearised at every point; they are left linearised where it ends. Along a kink of
-/// chi^2 it ends where no step leads down any more. chi^2 is infinite where there is no motion at `z`.
+/// chi^2 it ends where no step leads down any more. The lag ends in (-pi, pi]. chi^2 is infinite where there
+/// is no motion at `z`.
 Minimum minimise_linearised(Residuals& residuals, const Eigen::VectorXd& z,
                             const MinimiseOptions& options = {});
 

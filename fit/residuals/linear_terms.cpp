@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <span>
 #include <utility>
 
@@ -23,15 +22,6 @@ constexpr double kTolerance = 1.5e-5, kFineTolerance = 1e-6;
 /// sliding that is not far.
 double step_of(FitParameter law) {
   return law == FitParameter::viscous ? 1e-3 : law == FitParameter::gate_edges ? 1e-4 : 2e-4;
-}
-
-/// A search that strays beyond all sense (w of 1e26 rad/s) would integrate without end: there is no motion
-/// then. Ordinary motion takes 5 to 10 steps a turn, along a line up to 112.
-long most_steps(const Unknowns& unknowns, const model::Scenario& scenario) {
-  constexpr double kAnyway = 10'000, kATurn = 1000;
-  const double turns = scenario.end_time() * unknowns.reference_frequency() / (2 * std::numbers::pi);
-  const auto most = static_cast<double>(model::IntegrationOptions{}.max_steps);
-  return std::lround(std::min(kAnyway + kATurn * turns, most));
 }
 
 model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values) {
@@ -222,7 +212,7 @@ ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen
                                            double tolerance) {
   const AppliedScenario applied = unknowns.apply_summary(values, run, by);
   const std::vector<model::Parameter>& wanted = applied.wanted;
-  const EndPoint end = end_point(applied.scenario, wanted, tolerance, most_steps(unknowns, applied.scenario));
+  const EndPoint end = end_point(applied.scenario, wanted, tolerance, unknowns.most_steps(applied.scenario));
   // Dividing the model keeps the covariance, and with it the minimum, free of the scale.
   ModelledDisplacement result{end.position * applied.stretch / applied.scale, {}};
   if (by.empty()) return result;

@@ -1,5 +1,6 @@
 #include "fit/residuals/residuals.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -56,11 +57,8 @@ PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied
   scenario.duration = times.back();
   model::IntegrationOptions options;
   options.tolerance = tolerance;
-  options.max_steps = max_steps;
+  options.max_steps = std::min(max_steps, unknowns.most_steps(scenario));
   if (derivatives) options.derivatives = applied.wanted;
-  // On a platform at rest a part slides and stops: steps without end are those of values that mean nothing.
-  constexpr long kMostOfASlide = 20'000;
-  if (!(scenario.drive.amplitude > 0) && !(scenario.drive.amplitude_y > 0)) options.max_steps = kMostOfASlide;
   const bool sensitive = !options.derivatives.empty();
   PointModel points;
   Eigen::MatrixXd by_wanted;

@@ -34,7 +34,7 @@ struct Seen {
   double exposure = 0;        ///< s: a point is the mean over it
 };
 
-/// At `times` (s from the start). Throws as model::integrate(), beyond `max_steps` (a slide's are bounded)
+/// At `times` (s from the start). Throws as model::integrate(), beyond Unknowns::most_steps() and `max_steps`
 /// too.
 PointModel model_points(const Unknowns& unknowns, const AppliedScenario& applied,
                         const std::vector<double>& times, const Seen& seen, double tolerance,

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <unsupported/Eigen/AutoDiff>
 
 #include "fit/residuals/free_slide.h"
 #include "fit/tools/dense.h"
+#include "model/trajectory.h"
 
 namespace tribotrack::fit::internal {
 
@@ -387,6 +389,14 @@ AppliedScenario Unknowns::apply_free_slide(const Eigen::VectorXd& values, std::s
     run.set(Parameter::inertia, 0.5 / (bearing * bearing));
   }
   return run.applied();
+}
+
+long Unknowns::most_steps(const model::Scenario& scenario) const {
+  constexpr double kAnyway = 10'000, kATurn = 1000;
+  if (!(scenario.drive.amplitude > 0) && !(scenario.drive.amplitude_y > 0)) return 2 * std::lround(kAnyway);
+  const double turns = scenario.end_time() * reference_frequency() / (2 * std::numbers::pi);
+  const auto most = static_cast<double>(model::IntegrationOptions{}.max_steps);
+  return std::lround(std::min(kAnyway + kATurn * turns, most));
 }
 
 std::optional<double> Unknowns::sliding_threshold() const {

@@ -109,6 +109,10 @@ class Unknowns {
   std::optional<double> sliding_threshold() const;
   double reference_amplitude() const { return reference_.amplitude; }
   double reference_frequency() const { return reference_.angular_frequency; }
+  /// A search that strays beyond all sense (w of 1e26 rad/s) would integrate without end: with more steps
+  /// than this there is no motion. Ordinary motion takes 5 to 10 a turn, along a line up to 112; a slide
+  /// stops.
+  long most_steps(const model::Scenario& scenario) const;
   const Problem& problem() const { return *problem_; }
 
  private:

@@ -123,6 +123,23 @@ TEST(Residuals, WithoutAMotionSayWhy) {
   EXPECT_EQ(residuals.chi2(Eigen::Vector3d(-0.1, 0.01, 0.1)), HUGE_VAL);
 }
 
+/// A search may stray to a w of a thousand times as many turns: of tracks, too, there is no motion then, not
+/// gigabytes of it.
+TEST(Residuals, TurnsBeyondAllSenseAreNoMotion) {
+  std::mt19937 random(3);
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::angular_frequency};
+  problem.trajectory_runs = {track(test::scenario({}, 1, pi / 3), true, random)};
+  const Unknowns unknowns(problem);
+  const Residuals residuals(unknowns);
+  Eigen::VectorXd values = unknowns.first_guess();
+  EXPECT_TRUE(residuals.at(values));
+  values(1) *= 1e4;
+  std::string why;
+  EXPECT_FALSE(residuals.at(values, true, &why));
+  EXPECT_THAT(why, testing::HasSubstr("steps"));
+}
+
 /// An error of the program must not look like a region to avoid.
 TEST(Residuals, PassOnWhatIsNoPropertyOfTheParameters) {
   const Problem problem = three_displacements();
