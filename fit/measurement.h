@@ -34,7 +34,6 @@ struct Displacement {
   Eigen::Vector2d vector = Eigen::Vector2d::Zero();      ///< m
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< m^2: errors of both ends, interpolation, w
   int cycles = 0;                                        ///< N
-  double start_time = 0;                                 ///< s, the first analysed frame
   double duration = 0;                                   ///< s, N 2 pi / w
   /// Given as alpha and v of N whole cycles, measured elsewhere: a fit that changes w changes the duration
   /// at the same v. False: two points of a recording, `duration` apart whatever w is.

@@ -1,6 +1,6 @@
 // Laws of friction beside the paper's, to tell whether data ask for them.
-//   const RivalLaw law{.viscous = 0.5};                                   // mu g + 0.5 1/s |u|
-//   const Eigen::Vector2d moved = rival_displacement(scenario, law);      // m
+//   const std::vector<RivalLaw> laws{{.viscous = 0.5}};                   // mu g + 0.5 1/s |u|
+//   const Eigen::Matrix2Xd moved = rival_displacements(scenario, laws);   // m
 #pragma once
 
 #include <Eigen/Core>
@@ -47,8 +47,5 @@ Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const R
 /// start. Throws as above, and where `times` is empty or does not ascend.
 Eigen::MatrixXd rival_positions(const Scenario& scenario, const std::vector<double>& times,
                                 std::span<const RivalLaw> laws, double tolerance = 1e-9);
-
-/// Under one law.
-Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance = 1e-9);
 
 }  // namespace tribotrack::model

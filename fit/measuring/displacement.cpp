@@ -229,7 +229,6 @@ Displacement measure_displacement(const TrackTable& track, const Estimate& angul
   const Interpolated last = interpolate(track, end, w, left);
   Displacement result;
   result.cycles = n;
-  result.start_time = start;
   result.duration = n * period;
   result.vector = last.position - track.position.front();
   // End time N 2 pi / w: d(end)/dw = -u T / w. In the camera's frame u holds the platform's velocity, too.

@@ -156,7 +156,6 @@ class TrackWhitening {
   TrackWhitening(const TrajectoryRun& run, std::size_t first, const PointScatter& scatter,
                  const CorrelatedVariances& variances, double reference_time);
 
-  std::size_t first() const { return first_; }
   std::size_t points() const { return times_.size(); }
   const std::vector<double>& times() const { return times_; }  ///< s, of its points, from the first
   /// Measured less modelled (m, in the picture), two rows a point.

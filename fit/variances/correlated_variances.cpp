@@ -203,12 +203,7 @@ CorrelatedEstimate estimate_correlated_errors(const Residuals& residuals, const 
   if (present.empty()) return result;
   const Eigen::MatrixXd information = at.information(present, present);
   const Eigen::MatrixXd spread = inverse_symmetric(information);
-  for (std::size_t k = 0; k < present.size(); ++k) {
-    const auto g = static_cast<std::size_t>(present[k]);
-    const auto row = static_cast<Eigen::Index>(k);
-    result.variances[g] = best(present[k]) * sums.unit(present[k]);
-    result.sd[g] = std::sqrt(spread(row, row)) * sums.unit(present[k]);
-  }
+  for (const Eigen::Index g : present) result.variances[static_cast<std::size_t>(g)] = best(g) * sums.unit(g);
   for (Eigen::Index i = 0; i < result.degrees_of_freedom.size(); ++i) {
     Eigen::VectorXd slopes(static_cast<Eigen::Index>(present.size()));
     for (std::size_t k = 0; k < present.size(); ++k)

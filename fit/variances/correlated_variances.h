@@ -7,7 +7,6 @@ namespace tribotrack::fit::internal {
 
 struct CorrelatedEstimate {
   CorrelatedVariances variances{};  ///< m^2; 0 where the residuals do not require the part
-  CorrelatedVariances sd{};         ///< of the variances
   /// Of the variance of each unknown that all runs share, as Student's t needs it (Satterthwaite): 2 V^2 /
   /// var V. Infinite without correlated errors.
   Eigen::VectorXd degrees_of_freedom;

@@ -231,7 +231,6 @@ std::optional<SteadyOrbit> steady_orbit(const Scenario& scenario, bool with_puls
   const double unit = internal::velocity_unit(scenario);
   SteadyOrbit orbit;
   orbit.velocity = unit * found->velocity;
-  orbit.phase = scenario.start_phase;
   orbit.drift = unit / scenario.drive.angular_frequency * found->drift;
   orbit.contraction = found->contraction();
   orbit.newton_iterations = found->iterations;

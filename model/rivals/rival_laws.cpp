@@ -318,8 +318,4 @@ Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const R
   return rival_positions(scenario, {scenario.end_time()}, laws, tolerance);
 }
 
-Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance) {
-  return rival_displacements(scenario, std::span(&law, 1), tolerance);
-}
-
 }  // namespace tribotrack::model

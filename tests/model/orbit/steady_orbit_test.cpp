@@ -104,7 +104,6 @@ TEST(SteadyOrbit, ComesBackAfterACycle) {
     ASSERT_TRUE(orbit);
     const double speed = laws::drive_amplitude(s) / s.drive.angular_frequency;
     const Sample end = after_a_cycle(s, orbit->velocity);
-    EXPECT_EQ(orbit->phase, s.start_phase);
     EXPECT_LT((end.velocity - orbit->velocity).norm(), 1e-12 * speed);
     EXPECT_LT((end.position - orbit->drift).norm(), 2e-12 * s.drive.amplitude);
     EXPECT_LT(orbit->newton_iterations, 40);

@@ -11,6 +11,10 @@
 namespace tribotrack::model {
 namespace {
 
+Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance = 1e-9) {
+  return rival_displacements(scenario, std::span(&law, 1), tolerance);
+}
+
 // Laws that stop and start the part at other times, side by side, are each as alone.
 TEST(RivalLaws, SideBySideEachIsAsAlone) {
   const std::vector<RivalLaw> laws{{},
