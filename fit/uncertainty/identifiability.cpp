@@ -123,15 +123,23 @@ class Judge {
       if (!flat_[static_cast<std::size_t>(i)]) check_precision(i);
   }
 
-  /// Where mu1 = mu2 is not excluded the pulses may have no effect, and no lag is better than another.
+  /// Pulses lower friction. Where mu1 = mu2 is not excluded they may have no effect, and no lag is better
+  /// than another.
   void check_pulses() {
     const auto mu1 = unknowns_.find(FitParameter::mu1), mu2 = unknowns_.find(FitParameter::mu2);
     const bool pulses_placed = unknowns_.find(FitParameter::lag) || unknowns_.find(FitParameter::delay);
     if (!mu1 || !mu2 || !pulses_placed) return;
     const auto& covariance = uncertainty_.covariance;
-    const double difference = std::abs(values_(*mu1) - values_(*mu2));
+    const double raised = values_(*mu2) - values_(*mu1);
     const double variance = covariance(*mu1, *mu1) + covariance(*mu2, *mu2) - 2 * covariance(*mu1, *mu2);
-    if (!profiled_ && difference < kPulsesSeen * std::sqrt(std::max(0.0, variance)))
+    const double seen = kPulsesSeen * std::sqrt(std::max(0.0, variance));
+    if (raised > seen)
+      add(Verdict::not_identifiable,
+          fmt::format("mu2 lies above mu1 by more than {} sd: pulses would raise friction, which the model "
+                      "does not know; check phi and dtau of the runs, and which state of the actuator the "
+                      "pulse is.",
+                      number(kPulsesSeen)));
+    if ((!profiled_ || raised > 0) && std::abs(raised) < seen)
       add(Verdict::not_identifiable,
           fmt::format("mu1 and mu2 agree within {} sd: the pulses may have no effect, and then the lag means "
                       "nothing; check that the actuator works, or fit mu1 alone with mu2 fixed.",
