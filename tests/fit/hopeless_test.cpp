@@ -99,6 +99,20 @@ TEST(Hopeless, PulsesWithoutEffectGiveNoLag) {
   }
 }
 
+// An actuator whose command is the wrong way round.
+TEST(Hopeless, PulsesThatRaiseFrictionAreNotUsed) {
+  Problem problem;
+  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  for (const auto& s : test::fourteen({0.1, 0.12, 0.1}))
+    problem.summary_runs.push_back(test::summary_run(s, 0.02, 0.02e-3));
+  problem.start = {{FitParameter::mu1, 0.1}, {FitParameter::mu2, 0.12}, {FitParameter::lag, 0.1}};
+  FitOptions options = kQuick;
+  options.multi_starts = 1;
+  const FitResult result = estimate(problem, options);
+  EXPECT_FALSE(result.usable()) << result.full_report();
+  EXPECT_THAT(said(result), HasSubstr("pulses would raise friction"));
+}
+
 TEST(Hopeless, APartThatSticksThroughoutGivesABound) {
   std::mt19937 random(8);
   std::normal_distribution<double> noise(0, 1e-6);
