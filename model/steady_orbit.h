@@ -17,7 +17,7 @@ namespace tribotrack::model {
 
 /// One period of the unique attracting motion.
 struct SteadyOrbit {
-  Eigen::Vector2d velocity;  ///< u at the platform phase start_phase, m/s
+  Eigen::Vector2d velocity;  ///< u at the platform phase scenario.start_phase, m/s
   Eigen::Vector2d drift;     ///< displacement per cycle, m
   double contraction =
       0;  ///< spectral radius of the one-cycle velocity map at the orbit, to 1e-4; 0 with stick

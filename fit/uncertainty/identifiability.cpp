@@ -128,7 +128,7 @@ class Judge {
   void check_pulses() {
     const auto mu1 = unknowns_.find(FitParameter::mu1), mu2 = unknowns_.find(FitParameter::mu2);
     const bool pulses_placed = unknowns_.find(FitParameter::lag) || unknowns_.find(FitParameter::delay);
-    if (!mu1 || !mu2 || !pulses_placed) return;
+    if (!mu1 || !mu2) return;
     const auto& covariance = uncertainty_.covariance;
     const double raised = values_(*mu2) - values_(*mu1);
     const double variance = covariance(*mu1, *mu1) + covariance(*mu2, *mu2) - 2 * covariance(*mu1, *mu2);
@@ -139,7 +139,7 @@ class Judge {
                       "does not know; check phi and dtau of the runs, and which state of the actuator the "
                       "pulse is.",
                       number(kPulsesSeen)));
-    if ((!profiled_ || raised > 0) && std::abs(raised) < seen)
+    else if (pulses_placed && (!profiled_ || raised > 0) && raised > -seen)
       add(Verdict::not_identifiable,
           fmt::format("mu1 and mu2 agree within {} sd: the pulses may have no effect, and then the lag means "
                       "nothing; check that the actuator works, or fit mu1 alone with mu2 fixed.",
