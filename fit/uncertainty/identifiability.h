@@ -11,8 +11,7 @@ namespace tribotrack::fit::internal {
 /// lies above mu1; where no profile was computed, an sd that exceeds the range the parameter can have (not
 /// pinned) or pulses that may have no effect. weak: a relative sd above 0.3, an interval in pieces, or a
 /// profile that reaches more than twice as far as the covariance (the minimum sits in a bend of a flat
-/// valley). A trade-off
-/// (|correlation| > 0.95) is told; the intervals contain it.
+/// valley). A trade-off (|correlation| > 0.95) is told; the intervals contain it.
 Identifiability identifiability(const Unknowns& unknowns, const Eigen::VectorXd& values,
                                 const Uncertainty& uncertainty,
                                 const std::vector<ParameterEstimate>& parameters);
