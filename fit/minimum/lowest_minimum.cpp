@@ -50,17 +50,28 @@ Minimum minimise_over_kinks(Residuals& residuals, const Eigen::VectorXd& z) {
   return minimise_linearised(residuals, minimise(residuals, z, rough).z);
 }
 
-/// Where the best basins of the search lead to, homed in; best first.
-std::vector<Eigen::VectorXd> ends_of_basins(const Residuals& residuals, const Search& search, int threads) {
+/// Where the best basins of the search lead to, homed in; basins of one valley meet at the first of the
+/// shares. Best first.
+std::vector<Minimum> ends_of_basins(const Residuals& residuals, const Search& search, int threads) {
   constexpr std::size_t kPlaces = 4;
-  const auto points = basins(residuals.unknowns(), search.sample, refinable(residuals));
+  const Unknowns& unknowns = residuals.unknowns();
+  const std::span<const double> shares(kHomeIn);
+  const auto points = basins(unknowns, search.sample, refinable(residuals));
   std::vector<Minimum> ends(std::min(kPlaces, points.size()));
-  parallel_for(ends.size(), threads, [&](std::size_t k) { ends[k] = homed_in(residuals, points[k].z); });
-  std::erase_if(ends, [](const Minimum& end) { return end.at.empty(); });
-  std::ranges::stable_sort(ends, {}, &Minimum::chi2);
-  std::vector<Eigen::VectorXd> places;
-  for (const Minimum& end : ends) places.push_back(end.z);
-  return places;
+  for (std::size_t k = 0; k < ends.size(); ++k) ends[k].z = points[k].z;
+  for (const auto& part : {shares.first(1), shares.subspan(1)}) {
+    parallel_for(ends.size(), threads,
+                 [&](std::size_t k) { ends[k] = homed_in(residuals, ends[k].z, part); });
+    std::ranges::stable_sort(ends, {}, &Minimum::chi2);
+    std::vector<Minimum> distinct;
+    for (const Minimum& end : ends)
+      if (!end.at.empty() && std::ranges::none_of(distinct, [&](const Minimum& better) {
+            return same(unknowns, better, end, residuals.excess(better.chi2));
+          }))
+        distinct.push_back(end);
+    ends = std::move(distinct);
+  }
+  return ends;
 }
 
 /// Where there is motion: linear in the conditions the search may have taken them to where there is none.
@@ -99,16 +110,20 @@ Lowest lowest_minimum(Residuals& residuals, const Search& search, int threads) {
            residuals.p_value(lowest.minimum.chi2) < kDoubt;
   };
   const auto look_beyond = [&](const Eigen::VectorXd& z) {
-    Residuals here = residuals, there = residuals;
-    const Minimum near = minimise_linearised(here, z), beyond = minimise_over_kinks(there, z);
-    take(here, near, lowest.from);
+    Residuals there = residuals;
+    const Minimum beyond = minimise_over_kinks(there, z);
     take(there, beyond, lowest.from);
   };
   if (doubtful()) look_beyond(first);
   if (!doubtful()) return lowest;
   constexpr std::size_t kWhole = 2;
-  const std::vector<Eigen::VectorXd> places = ends_of_basins(residuals, search, threads);
-  for (std::size_t k = 0; k < std::min(kWhole, places.size()); ++k) look_beyond(places[k]);
+  const std::vector<Minimum> ends = ends_of_basins(residuals, search, threads);
+  for (std::size_t k = 0; k < std::min(kWhole, ends.size()); ++k) {
+    Residuals there = residuals;
+    const Minimum near = minimise_linearised(there, ends[k].z);
+    take(there, near, lowest.from);
+    look_beyond(ends[k].z);
+  }
   return lowest;
 }
 

@@ -90,6 +90,12 @@ void Estimation::find_minimum() {
   result_.conditions = static_cast<int>(unknowns_.common() - unknowns_.reported());
 }
 
+std::vector<Eigen::VectorXd> Estimation::ends() const {
+  std::vector<Eigen::VectorXd> ends{minimum_.z};
+  for (const Minimum& minimum : search_.minima) ends.push_back(minimum.z);
+  return ends;
+}
+
 bool Estimation::lower_from(const std::vector<Eigen::VectorXd>& values) {
   constexpr double kLower =
       0.5;  ///< of chi^2: less of a fall is not worth explaining again, if rejected still

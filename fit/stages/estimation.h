@@ -41,6 +41,8 @@ class Estimation {
   Eigen::VectorXd values_for(const Estimation& other) const {
     return other.unknowns_.values_of(unknowns_, unknowns_.values(minimum_.z));
   }
+  /// Where this fit ended, and the descents of its search.
+  std::vector<Eigen::VectorXd> ends() const;
   /// By chance in one of a thousand; the scatter of repeated runs is none of the model's.
   bool rejected() const { return p_value_ < kSurprise; }
   double chi2() const { return minimum_.chi2; }

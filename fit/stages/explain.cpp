@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kUsual = 0.05;  ///< of friction, from run to run
 
-/// Friction that differs from run to run. It takes the minimum with it, which is looked for among runs whose
-/// friction may differ by 5 %, then by as much as it does, while that is likelier. Nothing where it goes with
-/// the setting: that is a law.
+/// Friction that differs from run to run. It takes the minimum with it, which is looked for from where the
+/// fit and its search ended, among runs whose friction may differ by 5 %, then by as much as it does, while
+/// that is likelier. Nothing where it goes with the setting: that is a law.
 std::optional<ExplainedProblem> by_scatter(const Problem& problem, const Estimation& fit,
                                            const FitOptions& options) {
   constexpr std::size_t kMostMinima = 6;
@@ -47,8 +47,9 @@ std::optional<ExplainedProblem> by_scatter(const Problem& problem, const Estimat
   const Problem usual = with_scatter(kUsual, false, fit.values());
   const Unknowns unknowns(usual);
   Residuals rows = rows_of(unknowns);
-  const std::vector<Minimum> minima = multi_start(rows, options).minima;
-  for (std::size_t k = 0; k < std::min(kMostMinima, minima.size()); ++k) descend(rows, minima[k].z);
+  std::vector<Eigen::VectorXd> ends = fit.ends();
+  ends.resize(std::min(kMostMinima, ends.size()));
+  for (const Eigen::VectorXd& z : ends) descend(rows, z);
   bool likelier = best.has_value();
   for (int k = 0; likelier && k < kMostTimes; ++k) {
     const Problem next = best->problem;
