@@ -39,10 +39,11 @@ struct SlipFound {
     angles,          ///< all three
     alpha_mirrored,  ///< y downwards, or the platform's sense: the same
     phi_turned,      ///< by quarter turns; where the lag is fitted it is the lag
-    phi_reversed     ///< counted against the platform's sense
+    phi_edge,        ///< not of the edge that opens: phi + factor dtau is
+    phi_reversed     ///< counted against the platform's sense: -phi + factor dtau
   };
   What what = What::amplitude;
-  double factor = 1;  ///< factor to multiply the typed value by; or angle to turn it by, rad
+  double factor = 1;  ///< to multiply the typed value by; angle to turn it by, rad; of dtau, to add to phi
   std::map<FitParameter, double> values;
   double chi2 = 0;
   int dof = 0;

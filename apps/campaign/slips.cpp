@@ -66,6 +66,7 @@ std::string what_is_wrong(const Campaign& campaign, const Run& run, const SlipFo
         f > 1 ? "180/pi: radians where degrees are meant" : "pi/180: degrees where radians are meant");
   };
   const std::string turn = fmt::format("{:+.0f} deg", f * 180 / std::numbers::pi);
+  const char* shift = f == 0 ? "" : f == -1 ? " - dtau" : " - dtau/2";
   switch (slip.what) {
     case amplitude:
       return number("amplitude_mm",
@@ -94,10 +95,12 @@ std::string what_is_wrong(const Campaign& campaign, const Run& run, const SlipFo
       return "y counted downwards, or the platform turning the other way (-alpha, or -phase_shift_rad)";
     case phi_turned:
       return "phi counted from an axis that is turned: phi " + turn;
+    case phi_edge:
+      return fmt::format("phi counted to the {} of the pulse: phi{}", f < -0.5 ? "end" : "middle", shift);
     case phi_reversed:
       break;
   }
-  return "phi counted against the platform's sense: -phi - dtau";
+  return fmt::format("phi counted against the platform's sense: -phi{}", shift);
 }
 
 std::string values_of(const SlipFound& slip) {

@@ -113,7 +113,7 @@ std::vector<Candidate> magnitudes(const Typed& typed) {
 }
 
 /// Units and turns of angles.
-std::vector<Candidate> turns(const Typed& typed, bool lag_is_fitted) {
+std::vector<Candidate> turns(const Typed& typed, const Problem& given) {
   using enum SlipFound::What;
   std::vector<Candidate> list;
   const auto add = [&](SlipFound::What what, double factor, auto change) {
@@ -140,13 +140,26 @@ std::vector<Candidate> turns(const Typed& typed, bool lag_is_fitted) {
   }
   add(alpha_mirrored, -1,
       [](SummaryRun& run) { map_displacement(run, Eigen::Vector2d(1, -1).asDiagonal().toDenseMatrix()); });
+  const bool lag_is_fitted = given.fits(FitParameter::lag);
   if (typed.timing && !lag_is_fitted)  // else it is the lag
     for (const double f : {kPi / 2, kPi, -kPi / 2})
       add(phi_turned, f, [f](SummaryRun& run) { run.scenario.friction.phase += f; });
-  if (typed.timing)
-    add(phi_reversed, -1, [](SummaryRun& run) {
-      run.scenario.friction.phase = -run.scenario.friction.phase - run.scenario.friction.pulse_width;
-    });
+  const auto counted = [](double sense, double share) {
+    return [=](SummaryRun& run) {
+      model::Friction& friction = run.scenario.friction;
+      friction.phase = sense * friction.phase + share * friction.pulse_width;
+    };
+  };
+  const auto [narrowest, widest] = std::ranges::minmax_element(
+      given.summary_runs, {}, [](const SummaryRun& run) { return run.scenario.friction.pulse_width; });
+  const bool one_width =
+      widest->scenario.friction.pulse_width - narrowest->scenario.friction.pulse_width < 1e-6;
+  const bool edges_are_lag = one_width && lag_is_fitted;
+  if (typed.timing) add(phi_reversed, -1, counted(-1, -1));
+  if (typed.timing && !edges_are_lag) {
+    for (const double share : {0.0, -0.5}) add(phi_reversed, share, counted(-1, share));
+    for (const double share : {-0.5, -1.0}) add(phi_edge, share, counted(1, share));
+  }
   return list;
 }
 
@@ -276,8 +289,7 @@ std::vector<SlipFound> find_slips(const Problem& problem, const FitResult& resul
   if (!driven.summary_runs.empty()) {
     candidates = magnitudes(looked_at);
     if (sound) candidates.erase(candidates.begin() + (typed.amplitude ? 1 : 0), candidates.end());
-    if (failing)
-      std::ranges::move(turns(typed, problem.fits(FitParameter::lag)), std::back_inserter(candidates));
+    if (failing) std::ranges::move(turns(typed, driven), std::back_inserter(candidates));
   }
   for (const Candidate& candidate : candidates) {
     Problem undone = driven;

@@ -47,7 +47,7 @@ std::vector<SlipFound> found_in_failing(const Problem& problem) {
 
 bool names(const std::vector<SlipFound>& found, What what, double factor) {
   return std::ranges::any_of(found, [&](const SlipFound& slip) {
-    return slip.what == what && std::abs(slip.factor - factor) < 1e-9 * std::abs(factor);
+    return slip.what == what && std::abs(slip.factor - factor) <= 1e-9 * std::abs(factor);
   });
 }
 
@@ -86,6 +86,20 @@ TEST(Slips, YDownwardsAndTurnsOfTheOtherSense) {
   for (SummaryRun& run : problem.summary_runs)
     run.scenario.friction.phase = -run.scenario.friction.phase - run.scenario.friction.pulse_width;
   EXPECT_TRUE(names(found_in_failing(problem), What::phi_reversed, -1));
+}
+
+TEST(Slips, PhiCountedToAnotherEdgeOfThePulse) {
+  const auto found_in_phi = [](double sense, double share) {
+    Problem problem = table();
+    for (SummaryRun& run : problem.summary_runs) {
+      model::Friction& friction = run.scenario.friction;
+      friction.phase = sense * (friction.phase + share * friction.pulse_width);
+    }
+    return found_in_failing(problem);
+  };
+  EXPECT_TRUE(names(found_in_phi(1, 0.5), What::phi_edge, -0.5));
+  EXPECT_TRUE(names(found_in_phi(1, 1), What::phi_edge, -1));
+  EXPECT_TRUE(names(found_in_phi(-1, 0), What::phi_reversed, 0));
 }
 
 TEST(Slips, RadiansInAColumnOfDegrees) {
