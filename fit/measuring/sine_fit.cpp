@@ -1,6 +1,5 @@
 #include "fit/measuring/sine_fit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -14,20 +13,6 @@ namespace {
 
 Eigen::Vector4d basis(double t, double w) {
   return {1, t, std::cos(w * t), std::sin(w * t)};
-}
-
-/// The linear part at known w over the frames [first, last).
-void solve_linear(const MarkerSeries& marker, std::size_t first, std::size_t last, SineFit& fit) {
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Matrix<double, 4, 2> right = Eigen::Matrix<double, 4, 2>::Zero();
-  for (std::size_t i = first; i < last; ++i) {
-    const Eigen::Vector4d b = basis(marker.time(i), fit.w);
-    normal += marker.weight(i) * b * b.transpose();
-    right += marker.weight(i) * b * marker.at(i).transpose();
-  }
-  const Eigen::Vector4d scale = normal.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::Matrix4d scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-  fit.coefficients = scale.asDiagonal() * scaled.ldlt().solve((scale.asDiagonal() * right).eval());
 }
 
 struct Linear {
@@ -48,7 +33,8 @@ struct Step {
   double chi2 = 0, residual_square = 0;  ///< before it
 };
 
-/// One Gauss-Newton step on all nine numbers, or on ten: with the phase w t + q t^2 / 2, q the last.
+/// One Gauss-Newton step over the frames [first, last): on the eight coefficients, which are linear; with w;
+/// or on ten numbers, with the phase w t + q t^2 / 2, q the last.
 template <int N>
 Step step(const MarkerSeries& marker, std::size_t first, std::size_t last, const SineFit& fit) {
   Step result;
@@ -62,7 +48,7 @@ Step step(const MarkerSeries& marker, std::size_t first, std::size_t last, const
       const double residual = marker.at(i)(axis) - b.dot(c), by_phase = c(3) * b(2) - c(2) * b(3);
       Eigen::Matrix<double, N, 1> row = Eigen::Matrix<double, N, 1>::Zero();
       row.template segment<4>(4 * axis) = b;
-      row(8) = t * by_phase;
+      if constexpr (N > 8) row(8) = t * by_phase;
       if constexpr (N > 9) row(9) = 0.5 * t * t * by_phase;
       normal += marker.weight(i) * row * row.transpose();
       right += marker.weight(i) * residual * row;
@@ -72,6 +58,10 @@ Step step(const MarkerSeries& marker, std::size_t first, std::size_t last, const
   }
   result.change = solved(normal, right);
   return result;
+}
+
+void solve_linear(const MarkerSeries& marker, std::size_t first, std::size_t last, SineFit& fit) {
+  fit.coefficients.reshaped() += step<8>(marker, first, last, fit).change.value;
 }
 
 void refine(const MarkerSeries& marker, std::size_t first, std::size_t last, SineFit& fit) {
