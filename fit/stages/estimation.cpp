@@ -27,12 +27,6 @@ constexpr double kMoved = 1e-10;
 /// Scatter beyond this share of what was measured leaves no result.
 constexpr double kScatterShare = 0.1;
 
-/// An evaluation is worth more than one thread.
-bool is_large(const Problem& problem) {
-  constexpr std::size_t kManyRuns = 64;
-  return !problem.trajectory_runs.empty() || problem.summary_runs.size() > kManyRuns;
-}
-
 }  // namespace
 
 Estimation::Estimation(const Problem& problem, const FitOptions& options, const BetweenSlides* slides)
@@ -40,7 +34,7 @@ Estimation::Estimation(const Problem& problem, const FitOptions& options, const 
       slides_(slides),
       options_(options),
       unknowns_(problem),
-      residuals_(unknowns_, is_large(problem) ? options.threads : 1) {
+      residuals_(unknowns_, options.threads) {
   residuals_.set_tolerance(kFine);
   result_.loss = options.loss;
 }
