@@ -178,7 +178,8 @@ double Estimation::by_slides(Eigen::Index parameter) const {
   return slides_->dof / (share * share);
 }
 
-/// Student's t where a variance was estimated: by the degrees of freedom that it has, or Satterthwaite's.
+/// Student's t where a variance was estimated, be it that of the points: by the degrees of freedom that it
+/// has, or Satterthwaite's.
 std::vector<double> Estimation::quantiles() const {
   const bool from_residuals = any(residuals_.excess_variance()) || options_.loss != Loss::squares;
   const double estimated_by = result_.scatter_from_replicates
@@ -192,8 +193,9 @@ std::vector<double> Estimation::quantiles() const {
   for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {
     const double by_correlated =
         correlated_.degrees_of_freedom.size() > 0 ? correlated_.degrees_of_freedom(i) : kInfinity;
-    const double dof = std::max(
-        1.0, std::min({from_residuals ? estimated_by : kInfinity, by_correlated, by_runs, by_slides(i)}));
+    const double dof =
+        std::max(1.0, std::min({from_residuals ? estimated_by : residuals_.noise_degrees_of_freedom(),
+                                by_correlated, by_runs, by_slides(i)}));
     t.push_back(two_sided_quantile(kConfidence, dof));
   }
   return t;
