@@ -129,7 +129,7 @@ struct PointNoise {
 /// noise's variance. A slow motion leaves high orders alone and the jumps of its acceleration trouble few of
 /// them: the median of their sizes counts. Of white noise the lowest order knows most; it is taken unless a
 /// higher one lies below it by more than chance, as the covariance of both has it. Errors slower than the
-/// frames do not show. nullopt from fewer than 10 such frames.
+/// frames do not show. nullopt from fewer than 30 such frames.
 std::optional<PointNoise> point_noise(const std::vector<std::int64_t>& frames,
                                       const std::vector<Eigen::Vector2d>& positions);
 

@@ -10,7 +10,7 @@
 namespace tribotrack::fit {
 namespace {
 
-constexpr std::size_t kFewestFrames = 10, kFewestDifferences = 7;
+constexpr std::size_t kFewestFrames = 30;
 constexpr int kLowestOrder = 2, kHighestOrder = 10;
 constexpr double kBeyondChance = 2.5;  ///< sds
 
@@ -81,7 +81,7 @@ Scatter scatter(const std::vector<std::int64_t>& frames, const std::vector<doubl
     for (std::size_t k = 0; k <= reach; ++k) sum += weights[k] * (values[i + k] - values[i]);
     sizes.push_back(std::abs(sum));
   }
-  if (sizes.size() < kFewestDifferences) return {};
+  if (sizes.size() < kFewestFrames - kHighestOrder) return {};
   return {internal::kSdPerMad * internal::upper_median(sizes), static_cast<double>(sizes.size())};
 }
 
