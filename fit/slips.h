@@ -39,11 +39,13 @@ struct SlipFound {
     angles,          ///< all three
     alpha_mirrored,  ///< y downwards, or the platform's sense: the same
     phi_turned,      ///< by quarter turns; where the lag is fitted it is the lag
-    phi_edge,        ///< not of the edge that opens: phi + factor dtau is
-    phi_reversed     ///< counted against the platform's sense: -phi + factor dtau
+    phi_edge,        ///< counted to another edge of the pulse: phi + factor dtau opens it
+    phi_reversed     ///< counted against the platform's sense: -phi + factor dtau opens it
   };
   What what = What::amplitude;
-  double factor = 1;  ///< to multiply the typed value by; angle to turn it by, rad; of dtau, to add to phi
+  /// What the typed value is multiplied by; of phi_turned the angle in rad that is added, of phi_edge and
+  /// phi_reversed the share of dtau.
+  double factor = 1;
   std::map<FitParameter, double> values;
   double chi2 = 0;
   int dof = 0;

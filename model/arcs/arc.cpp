@@ -1,33 +1,13 @@
 #include "model/arcs/arc.h"
 
-#include <cmath>
-#include <numbers>
+#include <boost/math/special_functions/legendre.hpp>
+#include <vector>
 
 namespace tribotrack::model::internal {
 
 namespace {
 
 using Real = long double;
-
-void legendre(Real x, int count, Real* p) {
-  p[0] = 1;
-  p[1] = x;
-  for (int k = 1; k + 1 < count; ++k)
-    p[k + 1] = (static_cast<Real>(2 * k + 1) * x * p[k] - static_cast<Real>(k) * p[k - 1]) /
-               static_cast<Real>(k + 1);
-}
-
-/// The i-th root of P_n from below, by Newton's method.
-Real legendre_root(int n, int i) {
-  Real x =
-      -std::cos(std::numbers::pi_v<Real> * (static_cast<Real>(i) + 0.75L) / (static_cast<Real>(n) + 0.5L));
-  for (int k = 0; k < 20; ++k) {
-    Real p[GaussTable::kMaxNodes + 2];
-    legendre(x, n + 1, p);
-    x -= p[n] * (x * x - 1) / (static_cast<Real>(n) * (x * p[n] - p[n - 1]));
-  }
-  return x;
-}
 
 GaussTable make_table(int pairs) {
   const int n = 2 * pairs;
@@ -36,9 +16,10 @@ GaussTable make_table(int pairs) {
   Real x[GaussTable::kMaxNodes], weight[GaussTable::kMaxNodes];
   Real p[GaussTable::kMaxNodes][GaussTable::kMaxNodes + 2];
   Real a[GaussTable::kMaxNodes][GaussTable::kMaxNodes];
+  const std::vector<Real> positive = boost::math::legendre_p_zeros<Real>(n);  // they lie symmetrically
   for (int i = 0; i < n; ++i) {
-    x[i] = legendre_root(n, i);
-    legendre(x[i], n + 2, p[i]);
+    x[i] = i < pairs ? -positive[pairs - 1 - i] : positive[i - pairs];
+    for (int k = 0; k < n + 2; ++k) p[i][k] = boost::math::legendre_p(k, x[i]);
     weight[i] = (1 - x[i] * x[i]) / (static_cast<Real>(n * n) * p[i][n - 1] * p[i][n - 1]);
   }
   for (int i = 0; i < n; ++i)
