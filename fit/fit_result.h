@@ -146,7 +146,8 @@ struct EstimateUnder {
 /// Something that the fit takes as exact and that may explain its residuals (fit/checks/explanations.h).
 struct Explanation {
   /// tilt, amplitude, amplitude_ratio, phase_shift, clock, scale, start_phase: conditions; stribeck, viscous,
-  /// mu2_speed, mu2_width, gate_edges, static_friction, wear: laws of friction; bad_run, run_scatter.
+  /// mu2_speed, mu2_width, gate_edges, static_friction, wear: laws of friction; unseen_spin of a single slide;
+  /// bad_run, run_scatter.
   std::string name;
   std::string run;       ///< of bad_run
   double chi2_fall = 0;  ///< with it free; 0 if it would have to be negative
@@ -231,7 +232,6 @@ struct SlideResult {
   double slope = 0;      ///< rad, as given (TrajectoryRun::slope)
   double stop_time = 0;  ///< s, the recording's; where the track ends before, of the law; may be infinite
   bool spin_seen = false;
-  bool spin_fitted = false;  ///< not seen, but its deceleration is that of a part that spins
   Estimate spin;             ///< rad/s at the first point
   /// 1/s: its own, where the slides are quoted under that law.
   std::optional<Estimate> viscous = std::nullopt;

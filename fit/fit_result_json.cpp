@@ -169,13 +169,12 @@ void fields(auto& io, SlideResult& s) {
   io.scaled("speed_mm_s", s.speed, 1e3);
   io("stop_time_s", s.stop_time);
   io("spin_seen", s.spin_seen);
-  io("spin_fitted", s.spin_fitted, s.spin_fitted);
   io("slope_rad", s.slope, s.slope != 0);
   if (std::isnan(s.slope)) s.slope = 0;
   estimate(io, "spin_rad_s", s.spin, s.spin_seen);
-  estimate(io, "spin_ratio", s.spin_ratio, s.spin_seen || s.spin_fitted);
+  estimate(io, "spin_ratio", s.spin_ratio, s.spin_seen);
   estimate(io, "bearing_over_radius", s.bearing, s.spin_seen);
-  io("mu1_change_by_half_spin", s.change_by_half_spin, !s.spin_seen && !s.spin_fitted && s.slope == 0);
+  io("mu1_change_by_half_spin", s.change_by_half_spin, !s.spin_seen && s.slope == 0);
   io("blows", s.blows);
   io("sentence", s.sentence);
 }

@@ -24,6 +24,7 @@ struct ExplainedProblem {
   Explanation found;
   Problem problem;
   Eigen::VectorXd values;  ///< where its refit ended, of the unknowns of the fit it explains; else empty
+  double gain = 0;         ///< fall of Akaike's criterion; of slides, with errors of an unknown size
 };
 
 /// Best first. `rejected`: those that are near the best are refitted. `best` is the minimum of residuals

@@ -169,8 +169,10 @@ std::optional<Quoted> explained(const Problem& problem, double chi2, std::vector
       quoted.under.push_back(sentence_of(first));
       quoted.problem = begun(now.front());
       for (auto other = now.begin() + 1; other != now.end(); ++other)
-        if (other->found.explains && gain_of(first) - gain_of(other->found) < kPreferred)
+        if (other->found.explains && now.front().gain - other->gain < kPreferred) {
           quoted.as_good.push_back(other->found);
+          quoted.under.back() += " or " + sentence_of(other->found);
+        }
       return quoted;
     }
     if (!best) return std::nullopt;

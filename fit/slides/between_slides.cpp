@@ -103,12 +103,6 @@ std::string spin_text(const SlideResult& slide) {
   if (slide.slope != 0)
     return fmt::format("{} an incline of {} rad.", slide.slope > 0 ? "Down" : "Up",
                        number(std::abs(slide.slope), 4));
-  if (slide.spin_fitted)
-    return fmt::format(
-        "Spin was not seen, but its deceleration changes as that of a spinning part does: fitted with an "
-        "edge "
-        "speed over slide speed of {}.",
-        number(slide.spin_ratio.value, 2));
   if (!slide.spin_seen)
     return fmt::format(
         "Spin was not seen: fitted without; an edge speed of half the slide's would make mu1 {} % larger.",

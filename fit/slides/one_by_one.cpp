@@ -60,26 +60,6 @@ FitResult fit_with_spin(Problem& alone, const FitAlone& fit_alone) {
   return fit;
 }
 
-/// Spin that was not seen, where it leaves nothing to explain of a deceleration that is not constant: a rim
-/// speed of half the sliding's, within a quarter. Faster ones brake in proportion to the speed, as viscous
-/// friction does, and are left to that. Nothing where it does not.
-std::optional<FitResult> with_unseen_spin(const Problem& alone, const FitResult& without,
-                                          const FitAlone& fit_alone, TrajectoryRun& run) {
-  if (!(without.p_value < kSurprise)) return std::nullopt;
-  Problem spinning = alone;
-  TrajectoryRun& slide = spinning.trajectory_runs.front();
-  if (!(slide.track.radius > 0)) slide.track.radius = 1;  // only the rim's speed counts
-  const double rate = 0.5e-3 * without.runs.front().nuisance.at("initial_speed_mm_s") / slide.track.radius;
-  constexpr double kFastest = 1.3;     ///< rim over slide
-  constexpr double kWholeFace = 0.05;  ///< sd of ln of the bearing radius
-  slide.spin = DiscSpin{rate, 0, Eigen::Vector2d(0.25 * rate * rate, kWholeFace * kWholeFace).asDiagonal()};
-  FitResult fit = fit_alone(spinning, true);
-  if (!(fit.p_value > kExplained) || fit.runs.front().nuisance.at("spin_ratio") > kFastest)
-    return std::nullopt;
-  run = slide;
-  return fit;
-}
-
 /// Relative change of the slide's mu1 if its rim moved half as fast as it slides.
 double change_by_half_spin(Problem alone, const SlideResult& slide, const FitAlone& fit_alone) {
   TrajectoryRun& run = alone.trajectory_runs.front();
@@ -103,7 +83,7 @@ void take_result(const FitResult& fit, double spin_sd, SlideResult& slide) {
   slide.points = run.points;
   slide.speed = 1e-3 * run.nuisance.at("initial_speed_mm_s");
   slide.stop_time = run.nuisance.at("stop_time_s");
-  if (!slide.spin_seen && !slide.spin_fitted) return;
+  if (!slide.spin_seen) return;
   slide.spin = {run.nuisance.at("spin_rad_s"), spin_sd};
   const double per_rate = run.nuisance.at("spin_ratio") / std::abs(slide.spin.value);
   slide.spin_ratio = {run.nuisance.at("spin_ratio"), per_rate * slide.spin.sd};
@@ -140,14 +120,6 @@ void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
       slides[i].shown_slow = shown->slow;
       fit = fit_with_spin(alone, fit_alone);
     }
-    // Of several slides a law that all share is asked first: a spin of each brakes much as viscous friction
-    // does.
-    if (runs.size() == 1 && !slides[i].spin_seen && runs[i]->slope == 0)
-      if (auto spinning = with_unseen_spin(alone, fit, fit_alone, *runs[i])) {
-        fit = std::move(*spinning);
-        slides[i].spin_fitted = true;
-        alone.trajectory_runs.front() = *runs[i];
-      }
     runs[i]->spin = alone.trajectory_runs.front().spin;
     if (slides[i].spin_seen)
       slides[i].bearing = {std::exp(runs[i]->spin->bearing),
@@ -158,7 +130,7 @@ void fit_one_by_one(Problem& problem, const FitAlone& fit_alone, int threads,
         onset != fit.runs.front().nuisance.end())
       slides[i].first_frame = static_cast<std::int64_t>(onset->second);
     if (!frame.empty()) slides[i].last_frame = frame.back();
-    if (!slides[i].spin_seen && !slides[i].spin_fitted && runs[i]->slope == 0)
+    if (!slides[i].spin_seen && runs[i]->slope == 0)
       slides[i].change_by_half_spin = change_by_half_spin(alone, slides[i], fit_alone);
   });
 }
