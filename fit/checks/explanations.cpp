@@ -48,7 +48,7 @@ const std::vector<Candidate>& candidates() {
       {"gate_edges", "gate edges that take their time", "rad", 1, {gate_edges}, true},
       {"static_friction", "a higher friction at rest", "%", 100, {static_friction}, true},
       {"wear", "friction that changes in the course of the campaign", "%", 100, {wear}},
-      {kUnseenSpin, "a spin that was not seen", "of the sliding speed at the edge", 1, {}}};
+      {kUnseenSpin, "a spin that was not seen", "of the sliding speed at the fastest edge", 1, {}}};
   return all;
 }
 
@@ -65,22 +65,26 @@ Problem with_free(Problem problem, const std::vector<FitParameter>& quantities) 
   return problem;
 }
 
-double sliding_speed(const Unknowns& unknowns, const Eigen::VectorXd& values) {
-  return values.segment<2>(unknowns.find(Nuisance::velocity, 0)->first).norm();
+double sliding_speed(const Unknowns& unknowns, const Eigen::VectorXd& values, std::size_t slide) {
+  return values.segment<2>(unknowns.find(Nuisance::velocity, slide)->first).norm();
 }
 
-/// Of a single slide whose spin was not seen: the edge moves half as fast as the part slides, within a
-/// quarter. A spin of each of several slides brakes much as a law that all share does, which is asked
-/// instead.
+/// Of slides whose spin was not seen: the edge of each moves half as fast as it slides, with an sd of as
+/// much.
 std::optional<Problem> with_unseen_spin(Problem problem, const Unknowns& unknowns,
                                         const Eigen::VectorXd& values) {
   constexpr double kWholeFace = 0.05;  ///< sd of ln of the bearing radius
-  if (problem.trajectory_runs.size() != 1 || !problem.summary_runs.empty()) return std::nullopt;
-  TrajectoryRun& slide = problem.trajectory_runs.front();
-  if (!slide.free_slide || slide.spin || slide.slope != 0) return std::nullopt;
-  if (!(slide.track.radius > 0)) slide.track.radius = 1;  // only the edge's speed counts
-  const double rate = 0.5 * sliding_speed(unknowns, values) / slide.track.radius;
-  slide.spin = DiscSpin{rate, 0, Eigen::Vector2d(rate * rate, kWholeFace * kWholeFace).asDiagonal()};
+  const auto unseen = [](const TrajectoryRun& run) { return run.free_slide && !run.spin && run.slope == 0; };
+  constexpr std::size_t kMany = 16;
+  if (!problem.summary_runs.empty() || problem.trajectory_runs.size() > kMany ||
+      !std::ranges::all_of(problem.trajectory_runs, unseen))
+    return std::nullopt;
+  for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
+    TrajectoryRun& slide = problem.trajectory_runs[i];
+    if (!(slide.track.radius > 0)) slide.track.radius = 1;  // only the edge's speed counts
+    const double rate = 0.5 * sliding_speed(unknowns, values, i) / slide.track.radius;
+    slide.spin = DiscSpin{rate, 0, Eigen::Vector2d(rate * rate, kWholeFace * kWholeFace).asDiagonal()};
+  }
   return problem;
 }
 
@@ -207,13 +211,8 @@ class ScoreTests {
     found.parameters = estimates_under(unknowns, values, covariance);
     const Eigen::VectorXd here = unknowns_.values_of(unknowns, values);
     if (candidate == nullptr) return here;
-    if (const NuisanceBlock* spin = unknowns.find(Nuisance::spin, 0)) {
-      const Eigen::MatrixXd jacobian = minimum.at.jacobian(unknowns.size());
-      const double rate = values(spin->first), speed = sliding_speed(unknowns, values);
-      const double by_rate = problem.trajectory_runs.front().track.radius / speed;
-      found.size = by_rate * std::abs(rate);
-      found.size_sd =
-          by_rate * std::sqrt(inverse_symmetric(jacobian.transpose() * jacobian)(spin->first, spin->first));
+    if (candidate->name == std::string_view(kUnseenSpin)) {
+      tell_spin(unknowns, values, minimum.at, found);
       return here;
     }
     double square = 0, variance = 0, sum = 0;
@@ -274,6 +273,22 @@ class ScoreTests {
     found.parameters = estimates_under(unknowns_, values_.head(unknowns_.common()) - step_ - back * size,
                                        information_ + back * covariance * back.transpose());
     return found;
+  }
+
+  /// That of the fastest edge beside its slide.
+  void tell_spin(const Unknowns& unknowns, const Eigen::VectorXd& values, const Linearised& at,
+                 Explanation& found) const {
+    const Eigen::MatrixXd jacobian = at.jacobian(unknowns.size());
+    const Eigen::MatrixXd covariance = inverse_symmetric(jacobian.transpose() * jacobian);
+    for (std::size_t i = 0; i < problem_.trajectory_runs.size(); ++i) {
+      const Eigen::Index spin = unknowns.find(Nuisance::spin, i)->first;
+      const double by_rate =
+          unknowns.problem().trajectory_runs[i].track.radius / sliding_speed(unknowns, values, i);
+      const double ratio = by_rate * std::abs(values(spin));
+      if (ratio < found.size) continue;
+      found.size = ratio;
+      found.size_sd = by_rate * std::sqrt(covariance(spin, spin));
+    }
   }
 
   /// In the candidate's unit. The prior's row is in its sd.
@@ -408,6 +423,7 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
       Tested spin{{}, [spinning] { return *spinning; }, &candidates().back()};
       spin.found.name = kUnseenSpin;
       spin.found.unit = spin.candidate->unit;
+      spin.found.dof = static_cast<int>(spinning->trajectory_runs.size());
       spin.values = tests.refit(*spinning, spin.candidate, false, spin.found);
       if (spin.found.refitted) list.push_back(std::move(spin));
     }
@@ -418,26 +434,34 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
     list.erase(std::remove_if(worst + 1, list.end(), is_bad_run), list.end());
   const double of_slides = independent_points(residuals, best);
   std::vector<ExplainedProblem> result;
-  double most = 0, left_likely = 0;  ///< gain and p of the best that explains the residuals
+  // By one thing for all slides: a spin of each describes nearly anything about as well.
+  const auto shared = [](const Explanation& e) { return e.name != kUnseenSpin || e.dof == 1; };
+  const Explanation* first = nullptr;
+  double most = 0;  ///< gain of the first
+  result.reserve(list.size());
   for (Tested& tested : list) {
     Explanation& found = tested.found;
     const double left = best.chi2 - found.chi2_fall;
     const double likelier =
         (of_slides > 0 && left > 0 ? of_slides * std::log(best.chi2 / left) : found.chi2_fall) -
         2 * found.dof;
+    const bool by_likelihood = of_slides > 0 && likelier > kPreferred && shared(found);
     found.explains = rejected && found.refitted && gain(found, runs) > kPreferred &&
-                     (found.p_after > kExplained || (of_slides > 0 && likelier > kPreferred));
-    if (found.explains && likelier > most) {
-      most = likelier;
-      left_likely = found.p_after;
-    }
+                     (found.p_after > kExplained || by_likelihood);
     result.push_back({found, found.refitted ? tested.problem() : Problem{}, tested.values, likelier});
+    const bool all = found.p_after > kExplained, all_by_first = first && first->p_after > kExplained;
+    if (!found.explains || (all == all_by_first ? likelier <= most : all_by_first)) continue;
+    first = &result.back().found;
+    most = likelier;
   }
   // Laws that brake nearly alike: of slides none is the cause alone that is not much likelier.
-  if (of_slides > 0 && most > 0)
+  if (of_slides > 0 && first) {
+    const bool explained = first->p_after > kExplained;
     for (auto& [found, other, values, likelier] : result)
-      found.explains = found.refitted && likelier > std::max(0.0, most - kPreferred) &&
-                       (left_likely < kExplained || found.p_after > kSurprise);
+      found.explains = &found == first || (found.refitted && (shared(found) || found.p_after > kExplained) &&
+                                           likelier > std::max(0.0, most - kPreferred) &&
+                                           (!explained || found.p_after > kSurprise));
+  }
   return result;
 }
 

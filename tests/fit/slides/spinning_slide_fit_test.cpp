@@ -95,6 +95,20 @@ TEST(SpinningSlideFit, WithoutTheAngleASpinOrAViscousFrictionExplainsAFallingDec
   }
 }
 
+TEST(SpinningSlideFit, SlidesThatSpinDifferentlyAreNotTakenForAViscousFriction) {
+  std::mt19937 random(7);
+  std::vector<TrajectoryRun> slides;
+  for (const double ratio : {0.3, 0.5, 0.7, 0.9, 1.1}) {
+    slides.push_back(slide_track(motion_of(ratio), ratio, {}, random, false));
+    slides.back().name += std::to_string(slides.size());
+  }
+  const FitResult fit = fit_of(slides);
+  EXPECT_EQ(fit.verdict, Use::care);
+  EXPECT_TRUE(holds_under(fit, "unseen_spin") && !holds_under(fit, "viscous")) << fit.full_report();
+  EXPECT_LT(fit.parameters.front().ci95.low, 0.17);
+  EXPECT_GT(fit.parameters.front().ci95.high, 0.17);
+}
+
 TEST(SpinningSlideFit, WhereTheDecelerationIsConstantTheSpinThatWasNotSeenIsSaid) {
   std::mt19937 random(4);
   const FitResult blind = fit_of({slide_track(motion_of(0.0), 0.0, {}, random, false)});
