@@ -178,21 +178,5 @@ TEST(SpinningSlideFit, AnglesMayBreakOffAndJumpByTurns) {
   EXPECT_NEAR(fit.slides.front().mu1.value, 0.17, 3 * fit.slides.front().mu1.sd);
 }
 
-TEST(SpinningSlideFitCampaign, DISABLED_IntervalsHoldTheTruthAsOftenAsTheySay) {
-  int inside = 0, tried = 0;
-  std::mt19937 random(8);
-  SlideLook look;
-  look.rate = 60;
-  for (int round = 0; round < 100; ++round) {
-    const double ratio = round % 3;
-    const FitResult fit = fit_of({slide_track(motion_of(ratio), ratio, look, random)});
-    const Interval ci = fit.parameters.front().ci95;
-    inside += ci.low < look.mu && look.mu < ci.high;
-    ++tried;
-  }
-  // 95 % of 100 is 95 +- 2.2.
-  EXPECT_GE(inside, 89) << "of " << tried;
-}
-
 }  // namespace
 }  // namespace tribotrack::fit

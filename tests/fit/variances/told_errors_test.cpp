@@ -5,8 +5,6 @@
 #include <random>
 
 #include "fit/campaign.h"
-#include "fit/coverage.h"
-#include "fit/estimate.h"
 #include "fit/slow_tracks.h"
 #include "fit/variances/correlated_variances.h"
 #include "fit/variances/excess_variance.h"
@@ -66,32 +64,6 @@ TEST(ToldErrors, AreNotCountedTwice) {
   EXPECT_GE(silent, trials);
   EXPECT_EQ(scatter, 0);
   EXPECT_NEAR(ratio, 1, 0.06);  // 4 sd
-}
-
-test::SequentialCoverage coverage(bool tells, unsigned seed) {
-  test::SequentialCoverage coverage(0.01);
-  const double truths[] = {0.1, 0.0125, 0.1};
-  for (unsigned index = 0; index < 1600 && !coverage.decided(); ++index) {
-    std::seed_seq mixed{seed, index};
-    std::mt19937 random(mixed);
-    Problem problem = drawn(2, 25, random);
-    if (!tells) keep_silent(problem);
-    FitOptions options;
-    options.multi_starts = 1;
-    options.profiles = options.next_experiment = options.estimate_scatter = false;
-    const FitResult fit = estimate(problem, options);
-    const std::size_t i = index % 3;
-    coverage.add(fit.parameters[i].ci95.low <= truths[i] && truths[i] <= fit.parameters[i].ci95.high);
-  }
-  std::printf("%s: %.1f %% of %d\n", tells ? "told" : "kept silent", 100 * coverage.share(), coverage.trials);
-  return coverage;
-}
-
-TEST(ToldErrorsCampaign, DISABLED_MakeIntervalsThatHold) {
-  const unsigned seed = 11;
-  SCOPED_TRACE(seed);
-  EXPECT_EQ(coverage(true, seed).decision(), test::SequentialCoverage::Decision::nominal);
-  EXPECT_EQ(coverage(false, seed).decision(), test::SequentialCoverage::Decision::too_low);
 }
 
 }  // namespace

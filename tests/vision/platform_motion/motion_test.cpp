@@ -189,19 +189,6 @@ TEST(GroundMotion, BrushedGroundTellsItsMotionToTheLimitInBothDirections) {
   EXPECT_GT(e.sd_along, 2 * e.sd_across);
 }
 
-TEST(GroundMotionCampaign, DISABLED_SomethingThatCrossesIsLeftOut) {
-  Circling s;
-  s.scene.platform.texture_length_px = 10;
-  std::vector<Picture> pictures = s.pictures();
-  for (int k = 0; k < s.frames; ++k)  // 16 x 16 px, from left to right
-    for (int y = 20; y < 36; ++y)
-      for (int x = std::max(0, 3 * k - 40); x < std::min(240, 3 * k - 24); ++x)
-        pictures[static_cast<std::size_t>(k)].at(x, y) = static_cast<float>(30 + (x + y + k) % 3);
-  const GroundMotion motion = followed(s, std::move(pictures));
-  ASSERT_FALSE(motion.frames.empty()) << motion.verdict.reason;
-  expect_right(errors_of(motion, s), s);
-}
-
 TEST(GroundMotion, AGlanceTellsRestFromMotion) {
   Circling s;
   const GroundVerdict moving = glance(s, s.pictures());
