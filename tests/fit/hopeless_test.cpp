@@ -131,34 +131,6 @@ TEST(Hopeless, APartThatSticksThroughoutGivesABound) {
   for (const auto& p : result.parameters) EXPECT_TRUE(std::isinf(p.sd)) << to_string(p.parameter);
 }
 
-// alpha is an angle: the displacement vector knows no edge at 0 = 2 pi.
-TEST(Hopeless, AlphaNearItsEdgeIsNoEdge) {
-  std::vector<model::Scenario> scenarios;
-  const Truth truth;
-  for (int k = 0; k < 10; ++k) {  // phi such that alpha is 0 to within its error
-    model::Scenario s = test::scenario(truth, 0.2, pi / 6 * (1 + k % 5), 10);
-    const Eigen::Vector2d d = test::displacement(s);
-    s.friction.phase += std::atan2(d.y(), d.x()) + 0.01 * (k - 5);
-    scenarios.push_back(s);
-  }
-  int inside = 0;
-  for (unsigned seed = 0; seed < 10; ++seed) {
-    std::mt19937 random(seed);
-    FitOptions options = kQuick;
-    options.next_experiment = false;
-    const FitResult result = estimate(campaign(scenarios, random), options);
-    EXPECT_TRUE(result.usable());
-    EXPECT_EQ(result.scatter, 0);
-    for (const auto& run : result.runs)
-      for (const auto& r : run.residuals)
-        if (r.observable == "alpha_rad") {
-          EXPECT_LT(std::abs(r.standardised), 5) << run.name;
-        }
-    inside += std::abs(result.value(FitParameter::mu1) - truth.mu1) < 3.3 * result.parameters[0].sd;
-  }
-  EXPECT_GE(inside, 9);
-}
-
 // The fit cannot see it: d ln mu1 = 2 d ln w. The systematics must cover it.
 TEST(Hopeless, AFrequencyWrongByFivePercentIsToldAsASystematic) {
   std::mt19937 random(3);

@@ -159,47 +159,19 @@ std::string refusal(const std::function<void(Json&)>& damage) {
 TEST(FitResultJson, AFileWithoutItsKeysIsRefusedByName) {
   for (const char* key : {"correlation", "chi2", "dof", "agreement", "converged", "identifiability"})
     EXPECT_EQ(refusal([&](Json& fit) { fit.erase(key); }), "`" + std::string(key) + "` is missing");
-  EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"].erase("estimate"); }),
-            "`parameters.mu1.estimate` is missing");
-  EXPECT_EQ(refusal([](Json& fit) { fit["parameters"]["mu1"]["ci95"] = {0.1}; }),
-            "`parameters.mu1.ci95` must be a list of two numbers, not [0.1]");
-  EXPECT_EQ(refusal([](Json& fit) { fit["parameters"] = Json::object(); }),
-            "`parameters` must be an object with the fitted parameters, not {}");
-  EXPECT_THAT(refusal([](Json& fit) { fit["parameters"]["mu9"] = 1; }),
-              testing::StartsWith("`parameters` must be an object of fitted parameters by their names"));
-  EXPECT_EQ(refusal([](Json& fit) { fit["correlation"]["mu1"].erase("phase_lag_rad"); }),
-            "`correlation.mu1.phase_lag_rad` is missing");
-  EXPECT_EQ(
-      refusal([](Json& fit) { fit["identifiability"]["verdict"] = "fine"; }),
-      "`identifiability.verdict` must be \"identifiable\", \"weak\" or \"not identifiable\", not \"fine\"");
-  EXPECT_EQ(refusal([](Json& fit) { fit["dof"] = std::uint64_t{1} << 40; }),
-            "`dof` must be a whole number below 2147483648, not 1099511627776");
-  EXPECT_EQ(refusal([](Json& fit) { fit["bootstrap"]["refits"] = "many"; }),
-            "`bootstrap.refits` must be a whole number, not \"many\"");
-  EXPECT_EQ(refusal([](Json& fit) { fit["budget"] = 5; }), "`budget` must be a list, not 5");
-  EXPECT_EQ(refusal([](Json& fit) {
-              fit["outliers"] = {{{"deviation", "large"}}};
-            }),
-            "`outliers[0].deviation` must be a number, not \"large\"");
-}
-
-/// The same of a run's scenario.
-std::string refusal_of(const char* key, const Json& value) {
-  return refusal([&](Json& fit) {
-    Json run = {
-        {"name", "a"}, {"observables", Json::array()}, {"scenario", Json(full())["runs"][0]["scenario"]}};
-    (std::string(key) == "scenario" ? run[key] : run["scenario"][key]) = value;
-    fit["runs"] = {run};
-  });
-}
-
-TEST(FitResultJson, AScenarioThatNobodyCouldComputeIsRefused) {
-  EXPECT_EQ(refusal_of("mu1", 0.1), "accepted");
-  EXPECT_EQ(refusal_of("scenario", 5), "`runs[0].scenario` must be an object, not 5");
-  EXPECT_THAT(refusal_of("mu1", -1),
-              testing::StartsWith("`runs[0].scenario` must be a scenario that can be"));
-  EXPECT_THAT(refusal_of("cycles", 1e15), testing::StartsWith("`runs[0].scenario.cycles` must be 1000000"));
-  EXPECT_THAT(refusal_of("start", "now"), testing::HasSubstr("\"rest\", \"circling\" or \"steady\""));
+  for (const auto& [place, value, name] : std::vector<std::tuple<const char*, Json, const char*>>{
+           {"/parameters/mu1", Json::object(), "`parameters.mu1.estimate`"},
+           {"/parameters/mu1/ci95", {0.1}, "`parameters.mu1.ci95`"},
+           {"/parameters", Json::object(), "`parameters`"},
+           {"/parameters/mu9", 1, "`parameters`"},
+           {"/correlation/mu1", Json::object(), "`correlation.mu1."},
+           {"/identifiability/verdict", "fine", "`identifiability.verdict`"},
+           {"/dof", std::uint64_t{1} << 40, "`dof`"},
+           {"/bootstrap/refits", "many", "`bootstrap.refits`"},
+           {"/budget", 5, "`budget`"},
+           {"/outliers/0/deviation", "large", "`outliers[0].deviation`"}})
+    EXPECT_THAT(refusal([&](Json& fit) { fit[Json::json_pointer(place)] = value; }),
+                testing::StartsWith(name));
 }
 
 }  // namespace

@@ -116,15 +116,6 @@ TEST(Inclines, UpAndDownKnowTheSlope) {
   EXPECT_LT(fit_of({down, up}, 0.01).parameters.front().sd, 0.3 * one);
 }
 
-TEST(Inclines, SaySo) {
-  std::mt19937 random(5);
-  EXPECT_THAT(fit_of({track_of({.slope = 0.5}, random)}).slides.front().sentence,
-              HasSubstr("Down an incline of 0.5 rad"));
-  EXPECT_THAT(
-      fit_of({track_of({.slope = -0.5, .speed = 1.5, .sliding = 100}, random)}).slides.front().sentence,
-      HasSubstr("Up an incline of 0.5 rad"));
-}
-
 TEST(Inclines, AreOfFreeSlidesAndNotSteep) {
   std::mt19937 random(5);
   TrajectoryRun run = track_of({.slope = 0.5}, random);

@@ -54,19 +54,6 @@ TEST(Budget, AddsUpToTheVariance) {
   EXPECT_FALSE(result.improve_first.empty());
 }
 
-TEST(Budget, BeginsWithWhatWeighsMost) {
-  const FitResult result = estimate(campaign(true), kQuick);
-  double before = std::numeric_limits<double>::infinity();
-  for (const BudgetEntry& entry : result.budget) {
-    if (!entry.counted) continue;
-    double weight = 0;  // shares of the variances
-    for (Eigen::Index i = 0; i < 3; ++i)
-      weight += std::pow(entry.contribution(i) / result.parameters[static_cast<std::size_t>(i)].sd, 2);
-    EXPECT_LE(weight, before * (1 + 1e-9)) << entry.source;
-    before = weight;
-  }
-}
-
 TEST(Budget, ImaginesOnePercentOfWhatWasTakenAsExact) {
   Problem problem = campaign(false);
   problem.conditions.clear();

@@ -1,5 +1,4 @@
-// The influence of a run, to first order, against the fit that leaves it out; profile points against the fit
-// held there.
+// The influence of a run, to first order, against the fit that leaves it out, and the points of profiles.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,21 +12,13 @@
 namespace tribotrack::fit {
 namespace {
 
-using test::Truth;
-
 /// Fourteen runs with errors of their stated size.
 Problem noisy() {
   std::mt19937 random(7);
-  std::normal_distribution<double> normal;
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  for (const auto& s : test::fourteen(Truth{})) {
-    SummaryRun run = test::summary_run(s, 0.01, 0.05e-3);
-    const Eigen::Matrix2d root = run.measured.covariance.llt().matrixL();
-    run.measured.vector += root * Eigen::Vector2d(normal(random), normal(random));
-    derive_alpha_and_v(run.measured);
-    problem.summary_runs.push_back(run);
-  }
+  for (const auto& s : test::fourteen({}))
+    problem.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3, &random));
   return problem;
 }
 
@@ -104,22 +95,6 @@ TEST(ProfilePoints, ReachFromEndToEndAndRiseAwayFromTheMinimum) {
     };
     EXPECT_TRUE(reaches(p.profile_ci95.low));
     EXPECT_TRUE(reaches(p.profile_ci95.high));
-  }
-}
-
-// Held at a point of the profile, the others fitted again, chi^2 is as much higher as the point says.
-TEST(ProfilePoints, AreTheFitHeldThere) {
-  FitOptions options = plain();
-  const Problem problem = noisy();
-  const double lowest = estimate(problem, options).chi2;
-  options.profiles = true;
-  const ParameterEstimate mu1 = estimate(problem, options).parameters.front();
-  options.profiles = false;
-  for (const ProfilePoint& point : mu1.profile) {
-    Problem held = problem;
-    held.free = {FitParameter::mu2, FitParameter::lag};
-    held.fixed[FitParameter::mu1] = point.value;
-    EXPECT_NEAR(estimate(held, options).chi2 - lowest, point.rise, 0.05) << "mu1 = " << point.value;
   }
 }
 
