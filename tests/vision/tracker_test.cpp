@@ -199,17 +199,6 @@ TEST(Tracker, TurningTexturedDiscIsFollowedThroughAllAngles) {
   expect_true(result, truth, off + 0.02);
 }
 
-TEST(Tracker, WhatIsNotWhollyInThePictureIsRefused) {
-  auto source = recording(80, 80, 4, [](std::int64_t, TestScene& scene) { scene.discs = {disc_at(40, 40)}; });
-  TrackOptions rectangle;
-  rectangle.target.kind = Target::Kind::rectangle;
-  rectangle.target.rectangle = {70, 70, 20, 20};
-  EXPECT_THROW(track(source, rectangle), InputError);
-  EXPECT_THROW(track(source, follow(5, 40)), InputError);
-  auto empty = recording(80, 80, 4, [](std::int64_t, TestScene&) {});
-  EXPECT_THROW(track(empty, {}), InputError);
-}
-
 // ---- recordings nobody here made; they are not part of the project --------------------------------------
 
 TEST(TrackerOnRealRecordings, DicChallengeShiftOfATenthOfAPixel) {

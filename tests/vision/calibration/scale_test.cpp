@@ -9,26 +9,10 @@
 namespace tribotrack::vision {
 namespace {
 
-TEST(Scale, OfADiscIsItsDiameterOverTwoRadii) {
-  const Scale scale = scale_from_diameter(6, 30, 0);
-  EXPECT_DOUBLE_EQ(scale.mm_per_px, 0.1);
-  EXPECT_EQ(scale.sd, 0);
-  EXPECT_EQ(scale.source, "part's diameter");
-}
-
 TEST(Scale, ItsSdHoldsThatOfTheRadiusAndOfTheTrueDiameter) {
   EXPECT_DOUBLE_EQ(scale_from_diameter(6, 30, 0.03).sd, 0.1 * 0.03 / 30);
   EXPECT_DOUBLE_EQ(scale_from_diameter(6, 30, 0, 0.006).sd, 0.1 * 0.001);
   EXPECT_DOUBLE_EQ(scale_from_diameter(6, 30, 0.03, 0.008).sd, 0.1 * std::hypot(0.001, 0.008 / 6));
-}
-
-TEST(Scale, NothingWithoutSizeHasOne) {
-  EXPECT_THROW(scale_from_diameter(0, 30, 0), std::invalid_argument);
-  EXPECT_THROW(scale_from_diameter(6, 0, 0), std::invalid_argument);
-  EXPECT_THROW(given_scale(-1), std::invalid_argument);
-  EXPECT_THROW(given_scale(0.1, -1), std::invalid_argument);
-  EXPECT_EQ(given_scale(0.1).sd, 0);
-  EXPECT_EQ(given_scale(0.1, 0.002).sd, 0.002);
 }
 
 TEST(PooledScale, IsTheWeightedMean) {

@@ -80,12 +80,6 @@ TEST(PlaceTrack, ParallaxMakesTheMarkersMillimetresLarger) {
   EXPECT_NEAR(placed[6]->mm.y(), -0.02 * (b.y - a.y) + 0.02 / 0.992 * (b.marker->y - a.marker->y), 1e-12);
 }
 
-TEST(PlaneGeometry, AnImpossibleHeightIsRefused) {
-  const Scale scale{0.02, 0, "given"};
-  EXPECT_THROW(PlaneGeometry(scale, ScalePlane::platform, Parallax{100, 100}), std::invalid_argument);
-  EXPECT_THROW(PlaneGeometry(scale, ScalePlane::platform, Parallax{-1, 100}), std::invalid_argument);
-}
-
 /// Looks down from 100 mm, tilted by 0.1 rad, with strong distortion.
 CameraCalibration tilted() {
   CameraCalibration c;

@@ -41,11 +41,5 @@ TEST_F(TemporaryFiles, NamesAreNotToBeForeseenAndNoLinkIsFollowed) {
   EXPECT_FALSE(fs::exists(target));
 }
 
-TEST(WithRemedy, DescriptorsAndSizesNameTheirs) {
-  EXPECT_THAT(with_remedy(EMFILE, "check the path"), ::testing::HasSubstr("ulimit -n"));
-  EXPECT_THAT(with_remedy(EFBIG, "check the path"), ::testing::HasSubstr("ulimit -f"));
-  EXPECT_EQ(with_remedy(ENOENT, "check the path"), "No such file or directory; check the path");
-}
-
 }  // namespace
 }  // namespace tribotrack::vision

@@ -84,31 +84,5 @@ TEST(DebugPictures, TheLayersLeaveTheNoiseAndTheSingleTemplateMore) {
   EXPECT_GE(frames, 3);
 }
 
-TEST(DebugPictures, FramesAreTheFirstTheMiddleTheLastAndTheWorst) {
-  const Looked& looked = ordinary();
-  std::map<std::int64_t, std::string> frames;
-  for (const auto& [name, picture] : looked.shown.pictures)
-    if (picture.name == "window") frames[*picture.frame] = picture.why_frame;
-  EXPECT_TRUE(frames.at(0).starts_with("first"));
-  EXPECT_TRUE(frames.at(60).starts_with("middle"));
-  EXPECT_TRUE(frames.at(119).starts_with("last"));
-  EXPECT_EQ(std::ranges::count_if(
-                frames, [](const auto& f) { return f.second.find("largest residual") != std::string::npos; }),
-            1);
-}
-
-TEST(DebugPictures, LookingChangesNothing) {
-  const TrackResult& shown = ordinary().result;
-  SceneSource source(ordinary().scene);
-  TrackOptions options = ordinary().options;
-  options.debug = nullptr;
-  const TrackResult plain = track(source, options);
-  for (std::size_t k = 0; k < plain.track.points.size(); ++k) {
-    EXPECT_EQ(plain.track.points[k].x, shown.track.points[k].x);
-    EXPECT_EQ(plain.track.points[k].y, shown.track.points[k].y);
-    EXPECT_EQ(plain.track.points[k].sigma_x, shown.track.points[k].sigma_x);
-  }
-}
-
 }  // namespace
 }  // namespace tribotrack::vision

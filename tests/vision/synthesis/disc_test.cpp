@@ -61,13 +61,5 @@ TEST(PlatformTexture, CorrelatesAlongAndAcrossTheBrushAsAsked) {
   }
 }
 
-TEST(PlatformTexture, IsFlatWithoutRoughnessAndFollowsTheSeed) {
-  PlatformAppearance flat = brushed();
-  flat.texture_rms = 0;
-  EXPECT_EQ(test::texture_at({flat, 1}, 3, 4), 0);
-  EXPECT_EQ(test::texture_at({brushed(), 1}, 3, 4), test::texture_at({brushed(), 1}, 3, 4));
-  EXPECT_NE(test::texture_at({brushed(), 1}, 3, 4), test::texture_at({brushed(), 2}, 3, 4));
-}
-
 }  // namespace
 }  // namespace tribotrack::vision

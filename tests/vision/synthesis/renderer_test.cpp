@@ -230,20 +230,6 @@ TEST(SceneRenderer, VignettingAndFlicker) {
   EXPECT_NEAR(flickering.render_exact(0.3, 0.01, at_rest({})).at(3, 3), 80, 1e-4);  // a whole period
 }
 
-TEST(SceneRenderer, LampShinesForItsShareOfTheExposure) {
-  Scene scene = plain(41, 31, 5);
-  scene.disc.visible = false;
-  scene.flicker = 0.5;
-  scene.lamp = Lamp{{10, 12}, 6, 230, 20};
-  const SceneRenderer renderer(scene);
-  for (const double share : {0.0, 0.25, 1.0}) {
-    EXPECT_FLOAT_EQ(static_cast<float>(20 + 210 * share),
-                    renderer.render_exact(0.0025, 0, at_rest({}), share).at(10, 12));
-  }
-  EXPECT_THROW(renderer.render_exact(0, 0, at_rest({}), 1.1), std::invalid_argument);
-  EXPECT_THROW(renderer.render_exact(0, 0, at_rest({}), NAN), std::invalid_argument);
-}
-
 TEST(SceneRenderer, NoiseHasTheStatedMeanAndVariance) {
   for (const int bits : {8, 12}) {
     for (const auto& [read, shot] : {std::pair{1.5, 0.0}, {0.0, 0.05}, {2.0, 0.03}}) {
@@ -272,18 +258,6 @@ TEST(SceneRenderer, NoiseHasTheStatedMeanAndVariance) {
   }
 }
 
-TEST(SceneRenderer, ClipsToTheDepth) {
-  Scene scene = plain(41, 31, 8);
-  scene.disc.level = 400;
-  scene.platform.level = 0;
-  scene.read_noise = 3;
-  scene.bits = 10;
-  const Picture picture = SceneRenderer(scene).render(0, 0, 0, at_rest({20, 15}));
-  for (const float level : picture.levels()) ASSERT_TRUE(level >= 0 && level <= 1023);
-  EXPECT_EQ(picture.at(20, 15), 1023);
-  EXPECT_GT(SceneRenderer(scene).render_exact(0, 0, at_rest({20, 15})).at(20, 15), 1500);
-}
-
 TEST(SceneRenderer, FramesDependOnSeedAndIndexAlone) {
   Scene scene = plain(64, 48, 9);
   scene.read_noise = 2;
@@ -300,14 +274,6 @@ TEST(SceneRenderer, FramesDependOnSeedAndIndexAlone) {
   EXPECT_FALSE(same(renderer.render(-1, 0, 0, pose), renderer.render(1, 0, 0, pose)));
   scene.seed = 2;
   EXPECT_FALSE(same(seventh, SceneRenderer(scene).render(7, 0, 0, pose)));
-}
-
-TEST(SceneRenderer, RefusesPosesAndExposuresThatAreNotNumbers) {
-  const SceneRenderer renderer(plain(20, 20, 5));
-  EXPECT_THROW(renderer.render_exact(0, 0, at_rest({NAN, 0})), std::invalid_argument);
-  EXPECT_THROW(renderer.render_exact(0, 1, at_rest({0, 0}, INFINITY)), std::invalid_argument);
-  EXPECT_THROW(renderer.render_exact(0, -1, at_rest({})), std::invalid_argument);
-  EXPECT_THROW(renderer.render_exact(NAN, 0, at_rest({})), std::invalid_argument);
 }
 
 }  // namespace

@@ -160,12 +160,6 @@ TEST(Clock, UnevenOnesProveNothingOnCoarseTicksOrNearAPlaybackRate) {
   EXPECT_THAT(judge(ticks, 1e-6, 0).reason, HasSubstr("do not rise"));
 }
 
-TEST(Clock, NothingToJudge) {
-  EXPECT_FALSE(judge({5}, 1e-3, 240).accepted);
-  EXPECT_FALSE(judge({5, 5, 5}, 1e-3, 240).accepted);
-  EXPECT_FALSE(time_by({}).base.known());
-}
-
 /// Stamps in microseconds from counts of steps and their lengths in s.
 StampCheck check(const std::vector<std::pair<int, double>>& steps) {
   double time = 0;

@@ -29,15 +29,6 @@ TEST(TimeBase, TheMostTrustedAcceptedCandidateWinsAndTheOthersSayWhyNot) {
   EXPECT_DOUBLE_EQ(base.time_s(12), 0.05);
 }
 
-TEST(TimeBase, UnknownSaysWhatWasFoundAndWhatToGive) {
-  const TimeBase base = choose_time_base({{"container time stamps", 29.97, false, "a playback rate"}});
-  EXPECT_FALSE(base.known());
-  EXPECT_THAT(base.why_unknown(), HasSubstr("29.97"));
-  EXPECT_THAT(base.why_unknown(), HasSubstr("a playback rate"));
-  EXPECT_THAT(base.why_unknown(), HasSubstr("--fps"));
-  EXPECT_THAT(TimeBase{}.why_unknown(), HasSubstr("--fps"));
-}
-
 TEST(TimeBase, UsualPlaybackRates) {
   for (const double rate :
        {24.0, 23.976, 25.0, 29.97, 30000.0 / 1001, 30.0, 50.0, 60000.0 / 1001, 60.0, 600.0, 1000.0, 65535.0})
@@ -63,13 +54,6 @@ TEST(TimeBase, APlaybackRateIsNoEvidenceWithoutAReason) {
   EXPECT_FALSE(refused(240, "", played));
   EXPECT_FALSE(refused(30, "", {"container time stamps", 240, true, "uniform"}));
   EXPECT_FALSE(refused(1000, "", {"container time stamps", 1000, false, "a container's ticks"}));
-}
-
-TEST(TimeBase, TheUsersRateMustBeAPositiveNumber) {
-  EXPECT_EQ(user_rate(240).rate_hz, 240);
-  for (const double rate :
-       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
-    EXPECT_THROW(user_rate(rate), InputError) << rate;
 }
 
 /// Part and mark move along straight lines; every frame shows them where they were when their rows were read.

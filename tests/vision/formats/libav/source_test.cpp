@@ -136,21 +136,6 @@ TEST_F(LibavSourceTest, AFileThatShrinksWhileReadIsAnError) {
   }
 }
 
-TEST_F(LibavSourceTest, WhatIsNoVideo) {
-  std::string text = "alpha and v\nare not in here\n";
-  for (const std::size_t least : {0U, 100000U}) {
-    while (text.size() < least) text += text;
-    for (const char* name : {"a.mp4", "b.txt"}) {
-      write_bytes(file(name), FileBytes(text.begin(), text.end()));
-      EXPECT_THAT(input_error(file(name)),
-                  AllOf(HasSubstr(name), AnyOf(HasSubstr("no video"), HasSubstr("text"))));
-    }
-  }
-  write_bytes(file("c.mp4"), {});
-  EXPECT_THAT(input_error(file("c.mp4")), HasSubstr("empty"));
-  EXPECT_THAT(input_error(file("missing.mp4")), HasSubstr("No such file"));
-}
-
 TEST_F(LibavSourceTest, TheCamerasSidecarBeatsTheContainer) {
   SinkOptions slow = options();
   slow.frame_rate_hz = 30;

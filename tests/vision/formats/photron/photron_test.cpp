@@ -27,10 +27,6 @@ class PhotronTest : public RecordingTest {
   std::optional<double> exposure_s;
 };
 
-TEST_F(PhotronTest, NoSidecar) {
-  EXPECT_FALSE(photron_sidecar(file("a.avi")));
-}
-
 TEST_F(PhotronTest, TextForm) {
   auto said = rate("a.cih", "Date : 2021/4/1\r\nRecord Rate(fps) : 12500\r\nShutter Speed(s) : 1/20000\r\n");
   EXPECT_TRUE(said.accepted);
