@@ -83,24 +83,13 @@ void FrameCache::keep(std::int64_t index, const Rect& window) {
 
 /// Its rows from the first to the last in one go: what lies between them is little or wanted.
 bool FrameCache::read_back(const Place& place, const Rect& window, Picture& picture) {
-  const auto level_bytes = static_cast<std::size_t>(place.bytes);
-  const std::size_t row_bytes = level_bytes * static_cast<std::size_t>(place.window.width);
-  const auto top = static_cast<std::size_t>(window.y - place.window.y);
-  const auto left = static_cast<std::size_t>(window.x - place.window.x) * level_bytes;
-  bytes_.resize(row_bytes * static_cast<std::size_t>(window.height));
-  if (::pread(descriptor_, bytes_.data(), bytes_.size(),
-              place.offset + static_cast<std::int64_t>(top * row_bytes)) != std::ssize(bytes_))
+  const std::int64_t row = std::int64_t{place.bytes} * place.window.width;
+  bytes_.resize(static_cast<std::size_t>(row * window.height));
+  if (::pread(descriptor_, bytes_.data(), bytes_.size(), place.offset + (window.y - place.window.y) * row) !=
+      std::ssize(bytes_))
     return false;
-  for (int y = 0; y < window.height; ++y) {
-    const std::uint8_t* row = bytes_.data() + static_cast<std::size_t>(y) * row_bytes + left;
-    const std::span<float> levels = picture.row(y);
-    if (place.bytes == 1)
-      copy_levels(row, levels);
-    else if (place.bytes == 2)
-      copy_levels_16(row, levels);
-    else
-      std::memcpy(levels.data(), row, levels.size_bytes());
-  }
+  copy_stored({bytes_.data(), row, place.bytes, place.bytes},
+              {window.x - place.window.x, 0, window.width, window.height}, picture);
   return true;
 }
 

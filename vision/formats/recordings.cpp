@@ -7,7 +7,6 @@
 #include <fstream>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/version.hpp>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -216,18 +215,8 @@ StackSource::StackSource(const FrameStack& stack, double frame_rate_hz, int bits
 
 void StackSource::read(std::int64_t index, const Rect& window, Picture& picture) {
   prepare_window(info_, index, window, picture);
-  const bool narrow = stack_.bytes_per_level == 1;
-  for (int y = 0; y < window.height; ++y) {
-    const auto* stored = static_cast<const std::uint8_t*>(stack_.first) + index * stack_.frame_stride +
-                         (window.y + y) * stack_.row_stride + window.x * stack_.level_stride;
-    const std::span<float> row = picture.row(y);
-    if (stack_.level_stride == stack_.bytes_per_level) {
-      narrow ? copy_levels(stored, row) : copy_levels_16(stored, row);
-      continue;
-    }
-    for (std::size_t x = 0; x < row.size(); ++x, stored += stack_.level_stride)
-      row[x] = narrow ? *stored : word_at(stored, 0);
-  }
+  const auto* frame = static_cast<const std::uint8_t*>(stack_.first) + index * stack_.frame_stride;
+  copy_stored({frame, stack_.row_stride, stack_.level_stride, stack_.bytes_per_level}, window, picture);
 }
 
 }  // namespace tribotrack::vision

@@ -53,11 +53,6 @@ MappedFile::~MappedFile() {
 std::span<const std::uint8_t> MappedFile::bytes(std::uint64_t offset, std::uint64_t length,
                                                 std::string_view what) const {
   require_unshrunk();
-  return bytes_unasked(offset, length, what);
-}
-
-std::span<const std::uint8_t> MappedFile::bytes_unasked(std::uint64_t offset, std::uint64_t length,
-                                                        std::string_view what) const {
   if (offset > size_ || length > size_ - offset)
     refuse(path_,
            "is cut short or damaged: {} should be at bytes {} to {}, but the file has {} bytes; copy or "

@@ -55,17 +55,15 @@ class MappedFile {
   /// since it was opened.
   std::span<const std::uint8_t> bytes(std::uint64_t offset, std::uint64_t length,
                                       std::string_view what) const;
-  /// The same after require_unshrunk() has just been called.
-  std::span<const std::uint8_t> bytes_unasked(std::uint64_t offset, std::uint64_t length,
-                                              std::string_view what) const;
-  /// Throws InputError when the file has shrunk.
-  void require_unshrunk() const;
   /// To be called after `length` bytes were copied. Throws InputError when the file has shrunk meanwhile:
   /// zeros would have been read. What was read stays in the system's cache, but counts as memory of this
   /// process only until 128 MiB were read (some 0.4 GB with the pages about them), however large the file.
   void done_with(std::uint64_t length);
 
  private:
+  /// Throws InputError when the file has shrunk.
+  void require_unshrunk() const;
+
   std::filesystem::path path_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 
@@ -35,10 +36,50 @@ Rect window_about(const Point& centre, double reach, const Rect& bounds) {
   return touched_pixels(centre.x - reach, centre.y - reach, centre.x + reach, centre.y + reach, bounds);
 }
 
-TRIBOTRACK_CLONES void copy_levels(const std::uint8_t* stored, std::span<float> levels) {
+namespace {
+
+/// In the processor's widest vectors: most of what tracking in an uncompressed recording spends on reading.
+TRIBOTRACK_CLONES void copy_bytes(const std::uint8_t* stored, std::span<float> levels) {
   const std::size_t n = levels.size();
   float* to = levels.data();
   for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<float>(stored[i]);
+}
+
+template <class Level>
+Level level_at(const std::uint8_t* stored, std::ptrdiff_t index = 0) {
+  Level level;
+  std::memcpy(&level, stored + index * static_cast<std::ptrdiff_t>(sizeof level), sizeof level);
+  return level;
+}
+
+template <class Level>
+void copy_row(const std::uint8_t* stored, const StoredFrame& frame, std::span<float> levels) {
+  if (frame.bgr) {
+    for (float& level : levels) {
+      level = luma(level_at<Level>(stored, 2), level_at<Level>(stored, 1), level_at<Level>(stored));
+      stored += frame.pixel;
+    }
+  } else if (frame.pixel != sizeof(Level)) {
+    for (float& level : levels) {
+      level = static_cast<float>(level_at<Level>(stored));
+      stored += frame.pixel;
+    }
+  } else if constexpr (sizeof(Level) == 1) {
+    copy_bytes(stored, levels);
+  } else {
+    for (std::size_t x = 0; x < levels.size(); ++x)
+      levels[x] = static_cast<float>(level_at<Level>(stored, static_cast<std::ptrdiff_t>(x)));
+  }
+}
+
+}  // namespace
+
+void copy_stored(const StoredFrame& frame, const Rect& window, Picture& picture) {
+  const auto copy = frame.level_bytes == 1   ? copy_row<std::uint8_t>
+                    : frame.level_bytes == 2 ? copy_row<std::uint16_t>
+                                             : copy_row<float>;
+  for (int y = 0; y < window.height; ++y)
+    copy(frame.first + (window.y + y) * frame.row + window.x * frame.pixel, frame, picture.row(y));
 }
 
 float level_of_share(std::vector<float>& levels, double share) {
@@ -57,22 +98,6 @@ void store_levels(std::span<const float> levels, int bits, std::uint8_t* stored)
     *stored++ = static_cast<std::uint8_t>(whole & 0xFF);
     if (bits > 8) *stored++ = static_cast<std::uint8_t>(whole >> 8);
   }
-}
-
-void copy_stored(const StoredFrame& frame, const Rect& window, Picture& picture) {
-  const std::size_t before = static_cast<std::size_t>(window.x) * frame.bytes_per_level;
-  for (int y = 0; y < window.height; ++y) {
-    const std::uint8_t* stored = frame.first + (window.y + y) * frame.stride + before;
-    frame.bytes_per_level == 1 ? copy_levels(stored, picture.row(y)) : copy_levels_16(stored, picture.row(y));
-  }
-}
-
-void DecodedSource::read(std::int64_t index, const Rect& window, Picture& picture) {
-  prepare_window(info_, index, window, picture);
-  if (const auto frame = stored(index))
-    copy_stored(*frame, window, picture);
-  else
-    compute(window, picture);
 }
 
 }  // namespace tribotrack::vision

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <cstring>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,57 +22,25 @@ Rect touched_pixels(double x0, double y0, double x1, double y1, const Rect& boun
 /// Those within `reach` px of a centre, either way.
 Rect window_about(const Point& centre, double reach, const Rect& bounds);
 
-/// A frame as a decoder leaves it: rows `stride` bytes apart, each of levels of 1 or 2 bytes.
+/// A frame in memory: pixel (x, y) at first + y row + x pixel, strides in bytes that may be negative.
 struct StoredFrame {
   const std::uint8_t* first = nullptr;
-  std::ptrdiff_t stride = 0;
-  std::size_t bytes_per_level = 1;
+  std::ptrdiff_t row = 0, pixel = 1;
+  int level_bytes = 1;  ///< 1, 2 (the lower first), or 4: a float
+  bool bgr = false;     ///< three levels to a pixel, of which luma is made
 };
 
-/// A recording whose frames are decoded as wholes.
-class DecodedSource : public FrameSource {
- public:
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override;
-  /// Decodes a frame; nothing where its levels are computed from what is stored. Valid until the next one.
-  virtual std::optional<StoredFrame> stored(std::int64_t index) = 0;
-  /// Levels of the frame that was decoded last, for which stored() gave nothing; `picture` has the window's
-  /// size.
-  virtual void compute(const Rect& window, Picture& picture) = 0;
-};
-
-/// The rows of a window.
+/// The levels of a window, whose size `picture` has.
 void copy_stored(const StoredFrame& frame, const Rect& window, Picture& picture);
 
-// Stored pixels to grey levels, a row at a time.
+inline StoredFrame stored_in(const Picture& picture) {
+  return {reinterpret_cast<const std::uint8_t*>(picture.levels().data()),
+          static_cast<std::ptrdiff_t>(sizeof(float)) * picture.width(), sizeof(float), sizeof(float)};
+}
 
 /// Luma of ITU-R BT.601 in integers, so that a grey stored in colour comes back exactly.
-constexpr float luma(std::uint32_t red, std::uint32_t green, std::uint32_t blue) {
+constexpr float luma(double red, double green, double blue) {
   return static_cast<float>((19595.0 * red + 38470.0 * green + 7471.0 * blue) / 65536.0);
-}
-
-/// In the processor's widest vectors: most of what tracking in an uncompressed recording spends on reading.
-void copy_levels(const std::uint8_t* stored, std::span<float> levels);
-
-/// 16-bit little-endian words at any address.
-inline std::uint16_t word_at(const std::uint8_t* stored, std::size_t i) {
-  std::uint16_t word;
-  std::memcpy(&word, stored + 2 * i, sizeof word);
-  return word;
-}
-
-inline void copy_levels_16(const std::uint8_t* stored, std::span<float> levels) {
-  for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = static_cast<float>(word_at(stored, i));
-}
-
-inline void luma_of_bgr(const std::uint8_t* stored, std::span<float> levels) {
-  for (std::size_t i = 0; i < levels.size(); ++i)
-    levels[i] = luma(stored[3 * i + 2], stored[3 * i + 1], stored[3 * i]);
-}
-
-inline void luma_of_bgr_16(const std::uint8_t* stored, std::span<float> levels) {
-  for (std::size_t i = 0; i < levels.size(); ++i)
-    levels[i] = luma(word_at(stored, 3 * i + 2), word_at(stored, 3 * i + 1), word_at(stored, 3 * i));
 }
 
 /// The level below which that share of them lies, 0 to 1; of none 0. Reorders them.

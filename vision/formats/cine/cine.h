@@ -32,8 +32,7 @@ std::unique_ptr<FrameSink> create_cine_sink(const std::filesystem::path& path, c
 
 // The header of a Phantom .cine file.
 
-/// How the pixels of a .cine lie in the file. grey16: 10, 12, 14 or 16 bits, right-aligned in 16.
-enum class CinePixels { grey8, grey16, p10, p12l, bgr24, bgr48 };
+enum class CinePacking { none, p10, p12l };
 
 /// Time of day as the camera writes it: whole seconds since 1970 above, fractions of 2^-32 s below; the two
 /// lowest bits are flags and are cleared here.
@@ -42,7 +41,9 @@ constexpr CineTime cine_time_mask = ~CineTime{3};
 
 struct CineHeader {
   int width = 0, height = 0;
-  CinePixels pixels = CinePixels::grey8;
+  CinePacking packing = CinePacking::none;
+  int level_bytes = 1;          ///< unpacked: 10, 12, 14 or 16 bits are right-aligned in 2
+  bool bgr = false;             ///< three levels to a pixel
   bool top_down = false;        ///< packed forms are; others are stored with the last row first
   std::uint64_t row_bytes = 0;  ///< from row to row (not for the packed forms, which have no row ends)
   std::uint64_t image_bytes = 0;
@@ -81,8 +82,11 @@ constexpr std::size_t p12l_bytes(std::size_t pixels) {
 
 /// Pixels first .. first + levels.size() - 1 of a packed picture as 12-bit linear levels.
 /// `packed` must hold them all.
-void unpack_p10(std::span<const std::uint8_t> packed, std::size_t first, std::span<float> levels);
-void unpack_p12l(std::span<const std::uint8_t> packed, std::size_t first, std::span<float> levels);
+using Unpack = void(std::span<const std::uint8_t> packed, std::size_t first, std::span<float> levels);
+Unpack unpack_p10, unpack_p12l;
+/// A window of a packed picture, whose size `picture` has.
+void unpack(Unpack& row, std::span<const std::uint8_t> packed, int width, const Rect& window,
+            Picture& picture);
 
 // The companding curve of packed 10-bit Phantom recordings.
 

@@ -33,7 +33,7 @@ void read_bitmap(const MappedFile& file, Bytes bitmap, CineHeader& header) {
   const auto packing = load<std::uint32_t>(bitmap, at::bitmap_packing);
   const auto pixels = static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height);
   if (packing == at::packed_10 || packing == at::packed_12_linear) {
-    header.pixels = packing == at::packed_10 ? CinePixels::p10 : CinePixels::p12l;
+    header.packing = packing == at::packed_10 ? CinePacking::p10 : CinePacking::p12l;
     header.top_down = true;
     header.bits = 12;
     header.image_bytes = packing == at::packed_10 ? p10_bytes(pixels) : p12l_bytes(pixels);
@@ -44,27 +44,15 @@ void read_bitmap(const MappedFile& file, Bytes bitmap, CineHeader& header) {
            "packs its pixels in a form (biCompression {}) that is not known here; export it as uncompressed "
            ".cine or TIFF",
            packing);
-  switch (bits) {
-    case 8:
-      header.pixels = CinePixels::grey8;
-      break;
-    case 16:
-      header.pixels = CinePixels::grey16;
-      break;
-    case 24:
-      header.pixels = CinePixels::bgr24;
-      break;
-    case 48:
-      header.pixels = CinePixels::bgr48;
-      break;
-    default:
-      refuse(file.path(),
-             "is damaged or of an unknown kind: {} bits per pixel, where 8, 16, 24 or 48 are known; export "
-             "it as TIFF",
-             bits);
-  }
+  if (bits != 8 && bits != 16 && bits != 24 && bits != 48)
+    refuse(file.path(),
+           "is damaged or of an unknown kind: {} bits per pixel, where 8, 16, 24 or 48 are known; export "
+           "it as TIFF",
+           bits);
+  header.bgr = bits > 16;
+  header.level_bytes = bits % 16 == 0 ? 2 : 1;
   header.top_down = height < 0;
-  header.bits = bits == 16 || bits == 48 ? 16 : 8;
+  header.bits = 8 * header.level_bytes;
   // Rows of a bitmap end on whole 32-bit words; a writer that forgot that shows in the image's size.
   const std::uint64_t tight = static_cast<std::uint64_t>(header.width) * bits / 8;
   const std::uint64_t padded = (tight + 3) / 4 * 4;
@@ -75,7 +63,7 @@ void read_bitmap(const MappedFile& file, Bytes bitmap, CineHeader& header) {
 }
 
 int significant_bits(const CineHeader& header, std::optional<std::uint32_t> real_bits, std::uint32_t levels) {
-  if (header.pixels != CinePixels::grey16 && header.pixels != CinePixels::bgr48) return header.bits;
+  if (header.packing != CinePacking::none || header.level_bytes == 1) return header.bits;
   if (real_bits && *real_bits >= 8 && *real_bits <= 16) return static_cast<int>(*real_bits);
   if (levels > 256 && levels <= 65536 && std::has_single_bit(levels)) return std::countr_zero(levels);
   return 16;

@@ -73,31 +73,13 @@ constexpr std::array<std::uint16_t, 1024> p10_linear_levels = {
 };
 // clang-format on
 
-namespace {
-
-constexpr std::uint32_t code_mask = 0x3FF;
-
-std::uint32_t p10_code_at(std::span<const std::uint8_t> packed, std::size_t pixel) {
-  const std::size_t bit = pixel * 10;
-  const std::size_t byte = bit / 8;
-  const auto pair = static_cast<std::uint32_t>(packed[byte] << 8 | packed[byte + 1]);
-  return pair >> (6 - bit % 8) & code_mask;
-}
-
-}  // namespace
-
 void unpack_p10(std::span<const std::uint8_t> packed, std::size_t first, std::span<float> levels) {
-  const auto& linear = p10_linear_levels;
-  std::size_t i = 0;
-  for (; i < levels.size() && (first + i) % 4 != 0; ++i) levels[i] = linear[p10_code_at(packed, first + i)];
-  const std::uint8_t* group = packed.data() + (first + i) / 4 * 5;
-  for (; i + 4 <= levels.size(); i += 4, group += 5) {
-    levels[i] = linear[static_cast<std::size_t>(group[0] << 2 | group[1] >> 6)];
-    levels[i + 1] = linear[static_cast<std::size_t>((group[1] & 0x3F) << 4 | group[2] >> 4)];
-    levels[i + 2] = linear[static_cast<std::size_t>((group[2] & 0x0F) << 6 | group[3] >> 2)];
-    levels[i + 3] = linear[static_cast<std::size_t>((group[3] & 0x03) << 8 | group[4])];
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const std::size_t bit = (first + i) * 10;
+    const std::uint8_t* pair = packed.data() + bit / 8;
+    levels[i] =
+        p10_linear_levels[static_cast<std::size_t>((pair[0] << 8 | pair[1]) >> (6 - bit % 8) & 0x3FF)];
   }
-  for (; i < levels.size(); ++i) levels[i] = linear[p10_code_at(packed, first + i)];
 }
 
 void unpack_p12l(std::span<const std::uint8_t> packed, std::size_t first, std::span<float> levels) {
@@ -107,6 +89,12 @@ void unpack_p12l(std::span<const std::uint8_t> packed, std::size_t first, std::s
     levels[i] =
         static_cast<float>(pixel % 2 == 0 ? pair[0] << 4 | pair[1] >> 4 : (pair[1] & 0x0F) << 8 | pair[2]);
   }
+}
+
+void unpack(Unpack& row, std::span<const std::uint8_t> packed, int width, const Rect& window,
+            Picture& picture) {
+  for (int y = 0; y < window.height; ++y)
+    row(packed, static_cast<std::size_t>(std::int64_t{window.y + y} * width + window.x), picture.row(y));
 }
 
 }  // namespace tribotrack::vision

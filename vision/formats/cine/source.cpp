@@ -26,20 +26,9 @@ std::string iso_8601(CineTime time) {
 }
 
 std::string codec_name(const CineHeader& header) {
-  switch (header.pixels) {
-    case CinePixels::p10:
-      return "P10";
-    case CinePixels::p12l:
-      return "P12L";
-    case CinePixels::grey8:
-      return "uncompressed 8 bit";
-    case CinePixels::grey16:
-      return "uncompressed " + std::to_string(header.bits) + " in 16 bit";
-    case CinePixels::bgr24:
-      return "uncompressed colour, 3 x 8 bit";
-    default:
-      return "uncompressed colour, 3 x " + std::to_string(header.bits) + " in 16 bit";
-  }
+  if (header.packing != CinePacking::none) return header.packing == CinePacking::p10 ? "P10" : "P12L";
+  return fmt::format("uncompressed {}{}{} bit", header.bgr ? "colour, 3 x " : "", header.bits,
+                     header.level_bytes == 2 ? " in 16" : "");
 }
 
 /// The camera stamps the beginning of an exposure; what moves is seen where it was in the middle. Where all
@@ -62,7 +51,7 @@ bool exposures_vary(const std::vector<double>& exposures, const std::vector<std:
 }
 
 double linear_level(const CineHeader& header, int stored) {
-  if (header.pixels != CinePixels::p10) return stored;
+  if (header.packing != CinePacking::p10) return stored;
   return p10_linear_levels[static_cast<std::size_t>(std::clamp(stored, 0, 1023))];
 }
 
@@ -87,14 +76,14 @@ class CineSource : public FrameSource {
     info_.width = header_.width;
     info_.height = header_.height;
     info_.bits = header_.bits;
-    info_.colour = header_.pixels == CinePixels::bgr24 || header_.pixels == CinePixels::bgr48;
+    info_.colour = header_.bgr;
     info_.frame_count = static_cast<std::int64_t>(header_.image_offsets.size());
     info_.first_number = header_.first_image_number;
     info_.exposure_s = header_.exposure_s;
     if (header_.camera_version > 0)
       info_.camera = "Phantom, version " + std::to_string(header_.camera_version);
     if (header_.trigger != 0) info_.trigger_time = iso_8601(header_.trigger);
-    if (header_.pixels == CinePixels::p10)
+    if (header_.packing == CinePacking::p10)
       info_.notes.push_back("10-bit companded levels turned back to 12-bit linear ones");
     if (info_.colour) info_.notes.push_back("colour turned to luma (0.299 R + 0.587 G + 0.114 B)");
     if (header_.colour_filter && !info_.colour)
@@ -114,9 +103,17 @@ class CineSource : public FrameSource {
   using FrameSource::read;
   void read(std::int64_t index, const Rect& window, Picture& picture) override {
     prepare_window(info_, index, window, picture);
-    file_.require_unshrunk();
     const std::span<const std::uint8_t> pixels = image(index);
-    for (int y = 0; y < window.height; ++y) read_row(pixels, window.x, window.y + y, picture.row(y));
+    if (header_.packing != CinePacking::none) {
+      unpack(header_.packing == CinePacking::p10 ? unpack_p10 : unpack_p12l, pixels, info_.width, window,
+             picture);
+    } else {
+      const auto row = static_cast<std::ptrdiff_t>(header_.row_bytes);
+      const std::uint8_t* top = pixels.data() + (header_.top_down ? 0 : row * (header_.height - 1));
+      copy_stored({top, header_.top_down ? row : -row, header_.level_bytes * (header_.bgr ? 3 : 1),
+                   header_.level_bytes, header_.bgr},
+                  window, picture);
+    }
     file_.done_with(pixels.size() * static_cast<std::size_t>(window.height) /
                     static_cast<std::size_t>(header_.height));
   }
@@ -144,43 +141,18 @@ class CineSource : public FrameSource {
     const std::string what = "image " + std::to_string(number(index));
     const std::uint64_t offset = header_.image_offsets[static_cast<std::size_t>(index)];
     const std::uint64_t room = header_.image_rooms[static_cast<std::size_t>(index)];
-    const auto annotation = load<std::uint32_t>(file_.bytes_unasked(offset, 8, what), 0);
+    const auto annotation = load<std::uint32_t>(file_.bytes(offset, 8, what), 0);
     if (annotation < 8 || annotation > room - header_.image_bytes)
       refuse(info_.path,
              "is damaged: the annotation of {} claims {} bytes, where 8 to {} have room; copy the recording "
              "again",
              what, annotation, room - header_.image_bytes);
-    const auto size = load<std::uint32_t>(file_.bytes_unasked(offset + annotation - 4, 4, what), 0);
+    const auto size = load<std::uint32_t>(file_.bytes(offset + annotation - 4, 4, what), 0);
     if (size < header_.image_bytes)
       refuse(info_.path,
              "is damaged: {} has {} bytes of pixels where {} are needed; copy the recording again", what,
              size, header_.image_bytes);
-    return file_.bytes_unasked(offset + annotation, header_.image_bytes, what);
-  }
-
-  void read_row(std::span<const std::uint8_t> pixels, int x, int y, std::span<float> levels) const {
-    const auto first = static_cast<std::size_t>(x);
-    const auto width = static_cast<std::size_t>(header_.width);
-    if (header_.pixels == CinePixels::p10)
-      return unpack_p10(pixels, static_cast<std::size_t>(y) * width + first, levels);
-    if (header_.pixels == CinePixels::p12l)
-      return unpack_p12l(pixels, static_cast<std::size_t>(y) * width + first, levels);
-    const auto stored = static_cast<std::size_t>(header_.top_down ? y : header_.height - 1 - y);
-    const std::uint8_t* row = pixels.data() + stored * header_.row_bytes;
-    switch (header_.pixels) {
-      case CinePixels::grey8:
-        copy_levels(row + first, levels);
-        break;
-      case CinePixels::grey16:
-        copy_levels_16(row + 2 * first, levels);
-        break;
-      case CinePixels::bgr24:
-        luma_of_bgr(row + 3 * first, levels);
-        break;
-      default:
-        luma_of_bgr_16(row + 6 * first, levels);
-        break;
-    }
+    return file_.bytes(offset + annotation, header_.image_bytes, what);
   }
 
   MappedFile file_;

@@ -29,22 +29,16 @@ std::uint64_t seconds_to_open(const std::filesystem::path& path) {
 
 // In the child.
 
-/// Levels as they are stored where that is possible: a quarter of what goes through memory.
-Answer put_frame(DecodedSource& source, std::int64_t index, const SharedFrames& frames, std::int64_t place,
-                 Picture& picture) {
+Answer put_frame(DecodedSource& source, std::int64_t index, const SharedFrames& frames, std::int64_t place) {
+  const StoredFrame stored = source.decode(index);
   Answer answer;
+  answer.level_bytes = stored.level_bytes;
+  const std::size_t row =
+      static_cast<std::size_t>(source.info().width) * static_cast<std::size_t>(stored.level_bytes);
   std::uint8_t* to = frames.levels(place);
-  if (const auto stored = source.stored(index)) {
-    answer.bytes_per_level = static_cast<std::int64_t>(stored->bytes_per_level);
-    const std::size_t row = static_cast<std::size_t>(source.info().width) * stored->bytes_per_level;
-    for (int y = 0; y < source.info().height; ++y, to += row)
-      std::memcpy(to, stored->first + y * stored->stride, row);
-  } else {
-    source.compute(source.bounds(), picture);
-    answer.bytes_per_level = sizeof(float);
-    std::memcpy(to, picture.levels().data(), picture.levels().size_bytes());
-  }
-  const CodedFrame* coded = source.coded(index);
+  for (int y = 0; y < source.info().height; ++y, to += row)
+    std::memcpy(to, stored.first + y * stored.row, row);
+  const CodedFrame* coded = source.coded();
   if (coded && coded->cells.size() <= frames.cells()) {
     answer.coded_columns = coded->columns;
     answer.coded_rows = coded->rows;
@@ -90,7 +84,6 @@ void answer_with(int socket, std::int64_t series, const Work& work) {
   });
   if (!source) ::_exit(0);
   std::optional<SharedFrames> frames;
-  Picture picture(source->info().width, source->info().height);
   Order order;
   for (std::int64_t place = 0;;) {
     const std::int64_t index = order.from + place * order.step;
@@ -103,7 +96,7 @@ void answer_with(int socket, std::int64_t series, const Work& work) {
     allow_cpu(kSecondsPerFrame);
     answer_with(socket, order.series, [&](std::string&) {
       if (!frames) frames.emplace(memory, source->info());
-      return put_frame(*source, index, *frames, place, picture);
+      return put_frame(*source, index, *frames, place);
     });
     ++place;
   }
@@ -195,15 +188,8 @@ class ContainedSource : public FrameSource {
   void read(std::int64_t index, const Rect& window, Picture& picture) override {
     prepare_window(info_, index, window, picture);
     if (index != held_) fetch(index);
-    const StoredFrame frame{frames_->levels(place_), info_.width * bytes_per_level_,
-                            static_cast<std::size_t>(bytes_per_level_)};
-    if (bytes_per_level_ < static_cast<std::int64_t>(sizeof(float)))
-      return copy_stored(frame, window, picture);
-    for (int y = 0; y < window.height; ++y) {
-      const std::span<float> row = picture.row(y);
-      std::memcpy(row.data(), frame.first + (window.y + y) * frame.stride + window.x * sizeof(float),
-                  row.size_bytes());
-    }
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(info_.width) * level_bytes_;
+    copy_stored({frames_->levels(place_), row, level_bytes_, level_bytes_}, window, picture);
   }
   const CodedFrame* coded(std::int64_t index) const override {
     const auto found = std::ranges::find(coded_, index, &CodedRecord::index);
@@ -272,7 +258,8 @@ class ContainedSource : public FrameSource {
   }
 
   void take(const Answer& answer, std::int64_t index) {
-    bytes_per_level_ = std::clamp<std::int64_t>(answer.bytes_per_level, 1, sizeof(float));
+    level_bytes_ =
+        answer.level_bytes == 1 || answer.level_bytes == 2 ? static_cast<int>(answer.level_bytes) : 4;
     const std::int64_t columns = answer.coded_columns, rows = answer.coded_rows;
     if (columns < 1 || rows < 1 || columns > info_.width || rows > info_.height || coded(index)) return;
     const auto count = static_cast<std::size_t>(columns * rows);
@@ -291,7 +278,7 @@ class ContainedSource : public FrameSource {
   std::int64_t place_ = 0;      ///< in its series, of the frame that is held
   std::int64_t held_ = -1;      ///< its index
   std::int64_t last_step_ = 0;  ///< between the last two frames that were asked for
-  std::int64_t bytes_per_level_ = 0;
+  int level_bytes_ = 1;
   std::deque<CodedRecord> coded_;  ///< of the frames read last
 };
 

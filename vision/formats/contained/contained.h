@@ -14,6 +14,20 @@
 
 namespace tribotrack::vision {
 
+/// A recording whose frames are decoded as wholes, in the process that decodes.
+class DecodedSource {
+ public:
+  virtual ~DecodedSource() = default;
+  const SourceInfo& info() const { return info_; }
+  /// Decodes a frame. What it gives, and coded(), holds until the next one.
+  virtual StoredFrame decode(std::int64_t index) = 0;
+  /// How the codec stored that frame; null if that is unknown.
+  virtual const CodedFrame* coded() const { return nullptr; }
+
+ protected:
+  SourceInfo info_;
+};
+
 /// What `open` returns, but decoded in a process of its own. Throws what `open` throws: InputError,
 /// std::bad_alloc, any other exception as std::runtime_error; InputError where that process dies.
 std::unique_ptr<FrameSource> open_contained(const std::filesystem::path& path,

@@ -40,7 +40,7 @@ struct Answer {
   Outcome outcome = Outcome::done;
   std::uint64_t length = 0;
   // Of a frame, which lies in the shared memory.
-  std::int64_t bytes_per_level = 0, coded_columns = 0, coded_rows = 0;  ///< no columns: no CodedFrame
+  std::int64_t level_bytes = 0, coded_columns = 0, coded_rows = 0;  ///< no columns: no CodedFrame
   std::int64_t coded_type = 0;
 };
 

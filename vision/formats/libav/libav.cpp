@@ -118,18 +118,6 @@ std::optional<std::uint64_t> matroska_end(const std::filesystem::path& path) {
   return size == mask ? kUnfinished : offset + size;
 }
 
-namespace {
-
-void palette_row(const AVFrame& frame, int x, int y, std::span<float> levels) {
-  const std::uint8_t* codes = frame.data[0] + static_cast<std::ptrdiff_t>(y) * frame.linesize[0] + x;
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    const std::uint8_t* argb = frame.data[1] + 4 * static_cast<std::size_t>(codes[i]);  // B G R A in memory
-    levels[i] = luma(argb[2], argb[1], argb[0]);
-  }
-}
-
-}  // namespace
-
 LibavPixelForm libav_pixel_form(int format) {
   const AVPixFmtDescriptor* form = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(format));
   if (!form) throw std::invalid_argument("its pixels are of no known kind");
@@ -152,39 +140,40 @@ LibavPixelForm libav_pixel_form(int format) {
   return known;
 }
 
-std::optional<StoredFrame> stored_levels(const AVFrame& frame) {
+StoredFrame stored_levels(const AVFrame& frame, Picture& computed) {
   const AVPixFmtDescriptor& form = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
   const AVComponentDescriptor& first = form.comp[0];
+  const bool palette = form.flags & AV_PIX_FMT_FLAG_PAL, rgb = form.flags & AV_PIX_FMT_FLAG_RGB;
   // Eight bits, or a whole 16-bit word, side by side.
   const bool plain_8 = first.step == 1 && first.depth == 8,
              plain_16 = first.step == 2 && first.depth > 8 && !(form.flags & AV_PIX_FMT_FLAG_BE);
-  if (form.flags & (AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_RGB) || first.shift != 0 || !(plain_8 || plain_16))
-    return std::nullopt;
-  return StoredFrame{frame.data[first.plane] + first.offset, frame.linesize[first.plane],
-                     static_cast<std::size_t>(first.step)};
-}
-
-void compute_levels(const AVFrame& frame, const Rect& window, Picture& picture) {
-  const AVPixFmtDescriptor& form = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+  if (!palette && !rgb && first.shift == 0 && (plain_8 || plain_16))
+    return {frame.data[first.plane] + first.offset, frame.linesize[first.plane], first.step, first.step};
+  computed = Picture(frame.width, frame.height);
   std::array<std::vector<std::uint16_t>, 3> parts;
   const auto read = [&](int component, int y) -> const std::vector<std::uint16_t>& {
     std::vector<std::uint16_t>& row = parts[static_cast<std::size_t>(component)];
-    row.resize(static_cast<std::size_t>(window.width));
-    av_read_image_line2(row.data(), const_cast<const std::uint8_t**>(frame.data), frame.linesize, &form,
-                        window.x, window.y + y, component, window.width, 0, sizeof row[0]);
+    row.resize(static_cast<std::size_t>(frame.width));
+    av_read_image_line2(row.data(), const_cast<const std::uint8_t**>(frame.data), frame.linesize, &form, 0, y,
+                        component, frame.width, 0, sizeof row[0]);
     return row;
   };
-  for (int y = 0; y < window.height; ++y) {
-    const std::span<float> levels = picture.row(y);
-    if (form.flags & AV_PIX_FMT_FLAG_PAL) {
-      palette_row(frame, window.x, window.y + y, levels);
-    } else if (form.flags & AV_PIX_FMT_FLAG_RGB) {
+  for (int y = 0; y < frame.height; ++y) {
+    const std::span<float> levels = computed.row(y);
+    if (palette) {
+      const std::uint8_t* codes = frame.data[0] + static_cast<std::ptrdiff_t>(y) * frame.linesize[0];
+      for (std::size_t x = 0; x < levels.size(); ++x) {
+        const std::uint8_t* bgra = frame.data[1] + 4 * static_cast<std::size_t>(codes[x]);
+        levels[x] = luma(bgra[2], bgra[1], bgra[0]);
+      }
+    } else if (rgb) {
       const auto &red = read(0, y), &green = read(1, y), &blue = read(2, y);
       for (std::size_t x = 0; x < levels.size(); ++x) levels[x] = luma(red[x], green[x], blue[x]);
     } else {
       std::ranges::copy(read(0, y), levels.begin());
     }
   }
+  return stored_in(computed);
 }
 
 namespace {

@@ -135,9 +135,8 @@ struct LibavPixelForm {
 /// user where no grey level is defined (colour mosaic, hardware surfaces, floating point).
 LibavPixelForm libav_pixel_form(int format);
 
-/// The luma plane of a decoded frame; nothing where luma is computed, or unpacked.
-std::optional<StoredFrame> stored_levels(const AVFrame& frame);
-void compute_levels(const AVFrame& frame, const Rect& window, Picture& picture);
+/// The luma plane of a decoded frame; where luma is computed, or unpacked, it is in `computed`.
+StoredFrame stored_levels(const AVFrame& frame, Picture& computed);
 
 // What libav tells of the coder that made a recording.
 //

@@ -11,6 +11,7 @@
 #include "vision/formats/photron/photron.h"
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
+#include "vision/kernels/plane.h"
 #include "vision/timing/clock.h"
 
 namespace tribotrack::vision {
@@ -60,18 +61,12 @@ class LibavSource : public DecodedSource {
     describe(options);
   }
 
-  std::optional<StoredFrame> stored(std::int64_t index) override {
+  StoredFrame decode(std::int64_t index) override {
     decode_frame(shown_[static_cast<std::size_t>(index)], index);
-    if (info_.coder) {
-      coded_ = coded_frame_of(*decoder_, *frame_, table_step(held_));
-      coded_index_ = index;
-    }
-    return stored_levels(*frame_);
+    if (info_.coder) coded_ = coded_frame_of(*decoder_, *frame_, table_step(held_));
+    return stored_levels(*frame_, computed_);
   }
-  const CodedFrame* coded(std::int64_t index) const override {
-    return index == coded_index_ ? &coded_ : nullptr;
-  }
-  void compute(const Rect& window, Picture& picture) override { compute_levels(*frame_, window, picture); }
+  const CodedFrame* coded() const override { return info_.coder ? &coded_ : nullptr; }
 
  private:
   template <class... Values>
@@ -259,7 +254,7 @@ class LibavSource : public DecodedSource {
     const std::string packet = fmt::format("packet {} of {}", next_packet_, packets_.size());
     const bool placed = next_packet_ > 0 && next_packet_ <= place_.size() && place_[next_packet_ - 1] >= 0;
     refuse("is damaged: {} cannot be decoded: {}; export the recording again",
-           placed ? fmt::format("frame {} ({})", number(place_[next_packet_ - 1]), packet) : packet, reason);
+           placed ? fmt::format("frame {} ({})", place_[next_packet_ - 1], packet) : packet, reason);
   }
 
   /// A decoder may make up a frame without a packet, and a file may have grown since its packets were listed.
@@ -298,13 +293,12 @@ class LibavSource : public DecodedSource {
     }
     if (frame_->decode_error_flags != 0 || (frame_->flags & AV_FRAME_FLAG_CORRUPT)) {
       held_ = -1;
-      refuse("is damaged: frame {} cannot be decoded without errors; export the recording again",
-             number(index));
+      refuse("is damaged: frame {} cannot be decoded without errors; export the recording again", index);
     }
     if (frame_->width != info_.width || frame_->height != info_.height || frame_->format != format_) {
       held_ = -1;
       refuse("changes its picture's size or kind at frame {}; all frames of a recording must be alike",
-             number(index));
+             index);
     }
   }
   void try_decode(std::int64_t target, std::int64_t index) {
@@ -312,7 +306,7 @@ class LibavSource : public DecodedSource {
       if (held_ == target) return;
     refuse(
         "is cut short or damaged: frame {} (packet {} of {}) cannot be decoded; export the recording again",
-        number(index), target + 1, packets_.size());
+        index, target + 1, packets_.size());
   }
 
   /// The place among the frames shown of the frame of a packet; -1 for none.
@@ -425,10 +419,7 @@ class LibavSource : public DecodedSource {
     const int unit = 1 << (bits - 8), black = 16 * unit, white = 235 * unit;
     info_.notes.push_back(fmt::format("limited range: black is stored as {}, white as {}", black, white));
     Picture first(info_.width, info_.height);
-    if (const auto stored = stored_levels(*frame_))
-      copy_stored(*stored, bounds(), first);
-    else
-      compute_levels(*frame_, bounds(), first);
+    copy_stored(stored_levels(*frame_, computed_), bounds_of(first), first);
     const auto above = static_cast<float>(white + unit), below = static_cast<float>(white - unit);
     std::ptrdiff_t brighter = 0, at_white = 0;
     for (const float level : first.levels()) {
@@ -490,8 +481,8 @@ class LibavSource : public DecodedSource {
   bool after_seek_ = false;
   std::size_t seek_target_ = 0;
 
-  CodedFrame coded_;  ///< of the frame that was read last
-  std::int64_t coded_index_ = -1;
+  Picture computed_;                ///< levels of the frame that was decoded last, where they are not stored
+  CodedFrame coded_;                ///< how that frame was
   std::vector<float> table_steps_;  ///< of each packet decoded, MJPEG
 };
 

@@ -186,20 +186,16 @@ class MrawSource : public FrameSource {
   using FrameSource::read;
   void read(std::int64_t index, const Rect& window, Picture& picture) override {
     prepare_window(info_, index, window, picture);
-    file_.require_unshrunk();
-    const auto frame = file_.bytes_unasked(static_cast<std::uint64_t>(index) * bytes_, bytes_,
-                                           "image " + std::to_string(number(index)));
-    for (int y = 0; y < window.height; ++y) {
-      const std::size_t first =
-          static_cast<std::size_t>(window.y + y) * static_cast<std::size_t>(info_.width) +
-          static_cast<std::size_t>(window.x);
-      const std::span<float> row = picture.row(y);
-      if (stored_bits_ == 8) copy_levels(frame.data() + first, row);
-      if (stored_bits_ == 12) unpack_p12l(frame, first, row);
-      if (stored_bits_ == 16) copy_levels_16(frame.data() + 2 * first, row);
-      if (lift_ != 1)
-        for (float& level : row) level *= lift_;
+    const auto frame = file_.bytes(static_cast<std::uint64_t>(index) * bytes_, bytes_,
+                                   "image " + std::to_string(number(index)));
+    if (stored_bits_ == 12) {
+      unpack(unpack_p12l, frame, info_.width, window, picture);
+    } else {
+      const int bytes = static_cast<int>(stored_bits_ / 8);
+      copy_stored({frame.data(), std::ptrdiff_t{bytes} * info_.width, bytes, bytes}, window, picture);
     }
+    if (lift_ != 1)
+      for (float& level : picture.levels()) level *= lift_;
     file_.done_with(bytes_ * static_cast<std::uint64_t>(window.height) /
                     static_cast<std::uint64_t>(info_.height));
   }

@@ -9,6 +9,7 @@
 #include "vision/io/files.h"
 #include "vision/io/levels.h"
 #include "vision/io/picture_files.h"
+#include "vision/kernels/plane.h"
 #include "vision/temporary_file.h"
 #include "vision/timing/clock.h"
 
@@ -33,20 +34,21 @@ void require_supported(const cv::Mat& image, const std::string& name) {
 /// What sequences and stacks share: the description from the first frame, and a frame kept decoded.
 class DecodedPictures : public DecodedSource {
  public:
-  std::optional<StoredFrame> stored(std::int64_t index) override {
+  StoredFrame decode(std::int64_t index) override {
     const cv::Mat& image = decoded(index);
-    if (image.channels() > 1) return std::nullopt;
-    return StoredFrame{image.ptr(), static_cast<std::ptrdiff_t>(image.step), image.elemSize()};
-  }
-  void compute(const Rect& window, Picture& picture) override {
-    const auto copy = kept_.depth() == CV_8U ? luma_of_bgr : luma_of_bgr_16;
-    for (int y = 0; y < window.height; ++y)
-      copy(kept_.ptr(window.y + y) + static_cast<std::size_t>(window.x) * kept_.elemSize(), picture.row(y));
+    const auto pixel = static_cast<std::ptrdiff_t>(image.elemSize());
+    const int level_bytes = static_cast<int>(image.elemSize1());
+    const StoredFrame frame{image.ptr(), static_cast<std::ptrdiff_t>(image.step), pixel, level_bytes,
+                            image.channels() > 1};
+    if (!frame.bgr) return frame;
+    luma_ = Picture(info_.width, info_.height);
+    copy_stored(frame, bounds_of(luma_), luma_);
+    return stored_in(luma_);
   }
 
  protected:
-  /// Decodes a frame without checks.
-  virtual cv::Mat decode(std::int64_t index) = 0;
+  /// A frame without checks.
+  virtual cv::Mat picture(std::int64_t index) = 0;
   virtual std::string frame_name(std::int64_t index) const = 0;
 
   void describe(const std::optional<fs::path>& sidecar, const SourceOptions& options) {
@@ -68,7 +70,7 @@ class DecodedPictures : public DecodedSource {
     if (index == kept_index_) return kept_;
     kept_index_ = -1;
     try {
-      kept_ = decode(index);
+      kept_ = picture(index);
     } catch (const cv::Exception&) {
       kept_ = cv::Mat();
     }
@@ -85,6 +87,7 @@ class DecodedPictures : public DecodedSource {
   }
 
   cv::Mat kept_;
+  Picture luma_;  ///< of it, where it has colour
   std::int64_t kept_index_ = -1;
 };
 
@@ -101,7 +104,7 @@ class PictureSequence : public DecodedPictures {
   }
 
  private:
-  cv::Mat decode(std::int64_t index) override {
+  cv::Mat picture(std::int64_t index) override {
     const fs::path& file = files_[static_cast<std::size_t>(index)];
     require_readable_file(file);
     require_decodable_picture(file);
@@ -127,7 +130,7 @@ class PictureStack : public DecodedPictures {
   }
 
  private:
-  cv::Mat decode(std::int64_t index) override {
+  cv::Mat picture(std::int64_t index) override {
     if (info_.frame_count == 1) return read_picture(path_.string());
     constexpr std::int64_t pages_at_a_time = 16;
     if (index < first_page_ || index >= first_page_ + static_cast<std::int64_t>(pages_.size())) {

@@ -59,32 +59,30 @@ class KnownSource : public DecodedSource {
   static float level(std::int64_t k, int x, int y) {
     return static_cast<float>((1009 * k + 31 * x + 17 * y) % 256);
   }
-  std::optional<StoredFrame> stored(std::int64_t index) override {
+  StoredFrame decode(std::int64_t index) override {
     if (at_frame_) at_frame_(index);
     coded_ = {'P', 5, 3, std::vector<CodedCell>(15, {CodedCell::Kind::moving, static_cast<float>(index)})};
-    index_ = index;
-    if (bytes_ == 4) return std::nullopt;
     bytes_of_frame_.assign(kWidth * kHeight * bytes_, 0);
+    picture_ = Picture(kWidth, kHeight);
     for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x)
+      for (int x = 0; x < kWidth; ++x) {
         bytes_of_frame_[bytes_ * static_cast<std::size_t>(y * kWidth + x)] =
             static_cast<std::uint8_t>(level(index, x, y));
-    return StoredFrame{bytes_of_frame_.data(), static_cast<std::ptrdiff_t>(kWidth * bytes_), bytes_};
+        picture_.at(x, y) = level(index, x, y) + 0.25F;
+      }
+    if (bytes_ == 4) return stored_in(picture_);
+    const int bytes = static_cast<int>(bytes_);
+    return {bytes_of_frame_.data(), kWidth * bytes, bytes, bytes};
   }
-  const CodedFrame* coded(std::int64_t index) const override { return index == index_ ? &coded_ : nullptr; }
-  void compute(const Rect& window, Picture& picture) override {
-    for (int y = 0; y < window.height; ++y)
-      for (int x = 0; x < window.width; ++x)
-        picture.at(x, y) = level(index_, window.x + x, window.y + y) + 0.25F;
-  }
+  const CodedFrame* coded() const override { return &coded_; }
   void claim(std::vector<std::int64_t> numbers) { info_.numbers = std::move(numbers); }
 
  private:
   std::size_t bytes_;
   std::function<void(std::int64_t)> at_frame_;
   std::vector<std::uint8_t> bytes_of_frame_;
+  Picture picture_;
   CodedFrame coded_;
-  std::int64_t index_ = -1;
 };
 
 std::unique_ptr<FrameSource> known(std::size_t bytes_per_level,
