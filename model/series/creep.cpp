@@ -1,59 +1,44 @@
 #include "model/series/creep.h"
 
+#include <boost/math/special_functions/legendre.hpp>
+
 namespace tribotrack::model::internal {
 namespace {
 
 constexpr int S = Collocation::kStages;
 
-/// P_0 .. P_count-1 at x.
+/// P_0 .. P_S at 2c - 1.
 template <class Real>
-void legendre(Real x, int count, Real* p) {
-  p[0] = 1;
-  if (count > 1) p[1] = x;
-  for (int j = 1; j + 1 < count; ++j)
-    p[j + 1] = (static_cast<Real>(2 * j + 1) * x * p[j] - static_cast<Real>(j) * p[j - 1]) /
-               static_cast<Real>(j + 1);
+std::array<Real, S + 1> legendre(Real c) {
+  const Real x = 2 * c - 1;
+  std::array<Real, S + 1> p{1, x};
+  for (unsigned j = 1; j < S; ++j) p[j + 1] = boost::math::legendre_next(j, x, p[j], p[j - 1]);
+  return p;
 }
 
-/// Integrals of P_j(2c - 1) from 0 to c.
+/// Integrals of P_0 .. P_S-1 from 0 to c.
 template <class Real>
-void legendre_integrals(Real c, Real* integral) {
-  Real p[S + 1];
-  const Real x = 2 * c - 1;
-  legendre(x, S + 1, p);
-  integral[0] = c;
+std::array<Real, S> legendre_integrals(Real c) {
+  const std::array<Real, S + 1> p = legendre(c);
+  std::array<Real, S> integral{c};
   for (int j = 1; j < S; ++j) integral[j] = (p[j + 1] - p[j - 1]) / static_cast<Real>(2 * (2 * j + 1));
+  return integral;
 }
 
 Collocation make_collocation() {
   using Real = long double;
   using Matrix = Eigen::Matrix<Real, S, S>;
-  // The nodes are the roots of P_S - P_{S-1}; P_S - P_{S-1} changes sign between neighbouring roots.
-  const auto f = [](Real x) {
-    Real p[S + 1];
-    legendre(x, S + 1, p);
-    return p[S] - p[S - 1];
-  };
+  // Roots of P_S - P_S-1.
+  constexpr Real node[S] = {0.0144124096488765486328L, 0.0743873897091960446359L,
+                            0.176116656162995281863L,  0.309667579927637817060L,
+                            0.461970401081010934883L,  0.618117234695294024639L,
+                            0.762823015185039614683L,  0.881921021210001299808L,
+                            0.963742187116790539059L,  1};
   Collocation c;
-  Real node[S];
-  int found = 0;
-  const int grid = 4000;
-  for (int i = 0; i < grid && found < S - 1; ++i) {
-    Real low = -1 + 2 * static_cast<Real>(i) / grid, high = -1 + 2 * static_cast<Real>(i + 1) / grid;
-    const Real at_low = f(low);
-    if (at_low * f(high) > 0) continue;
-    for (int k = 0; k < 70; ++k) {
-      const Real middle = (low + high) / 2;
-      (at_low * f(middle) > 0 ? low : high) = middle;
-    }
-    node[found++] = (1 + (low + high) / 2) / 2;
-  }
-  node[S - 1] = 1;
   Matrix vandermonde, integrals;
   for (int i = 0; i < S; ++i) {
-    Real p[S], q[S];
-    legendre(2 * node[i] - 1, S, p);
-    legendre_integrals(node[i], q);
+    const auto p = legendre(node[i]);
+    const auto q = legendre_integrals(node[i]);
     for (int j = 0; j < S; ++j) {
       vandermonde(i, j) = p[j];
       integrals(i, j) = q[j];
@@ -74,9 +59,7 @@ const Collocation& Collocation::get() {
 }
 
 std::array<double, S> Collocation::integrals(double c) {
-  std::array<double, S> integral;
-  legendre_integrals(c, integral.data());
-  return integral;
+  return legendre_integrals(c);
 }
 
 std::optional<SlowStages> solve_stages(const ScaledDrive<double>& drive, double kappa, double s, double span,

@@ -1,7 +1,10 @@
 #include "model/spin/disc_friction.h"
 
+#include <boost/math/special_functions/ellint_1.hpp>
+#include <boost/math/special_functions/ellint_2.hpp>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace tribotrack::model::internal {
 namespace {
@@ -26,24 +29,10 @@ WithSlope series(double factor, double a, double b, double c, double m) {
   return {factor * hypergeometric(a, b, c, m), factor * a * b / c * hypergeometric(a + 1, b + 1, c + 1, m)};
 }
 
-/// The complete elliptic integrals E(m) and (1 - m) K(m), by the arithmetic-geometric mean.
-struct Elliptic {
-  double e = 1, k_rest = 0;
-};
-
-Elliptic elliptic(double m) {
-  const double rest = 1 - m;
-  if (!(rest > 0)) return {};
-  double a = 1, b = std::sqrt(rest), power = 0.5, sum = 0.5 * m;
-  for (int n = 0; n < 12 && std::abs(a - b) > 1e-16 * a; ++n) {
-    const double c = 0.5 * (a - b), mean = 0.5 * (a + b);
-    b = std::sqrt(a * b);
-    a = mean;
-    power *= 2;
-    sum += power * c * c;
-  }
-  const double k = kPi / (2 * a);
-  return {k * (1 - sum), rest * k};
+/// The complete elliptic integrals E(m) and (1 - m) K(m).
+std::pair<double, double> elliptic(double m) {
+  const double k = std::sqrt(m);
+  return {boost::math::ellint_2(k), m < 1 ? (1 - m) * boost::math::ellint_1(k) : 0};
 }
 
 }  // namespace
