@@ -12,7 +12,6 @@
 #include <cstring>
 #include <mutex>
 #include <span>
-#include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -54,24 +53,14 @@ std::string take_libav_complaint() {
   return std::exchange(last_complaint, {});
 }
 
-namespace {
-
-constexpr unsigned kMostStreams = 64;
-constexpr std::size_t kLargestAllocation = std::size_t{1} << 30;
-
-void limit_memory() {
-  static std::once_flag once;
-  std::call_once(once, [] { av_max_alloc(kLargestAllocation); });
-}
-
-}  // namespace
-
 bool is_coding_read(const std::string& decoder_name) {
   return ("," + std::string(kCodings) + ",").find("," + decoder_name + ",") != std::string::npos;
 }
 
 AVFormatContext* contained_input() {
-  limit_memory();
+  constexpr std::size_t kLargestAllocation = std::size_t{1} << 30;
+  constexpr unsigned kMostStreams = 64;
+  av_max_alloc(kLargestAllocation);
   AVFormatContext* input = there(avformat_alloc_context());
   av_opt_set(input, "protocol_whitelist", "file", 0);
   av_opt_set(input, "format_whitelist", kContainers, 0);
@@ -116,28 +105,6 @@ std::optional<std::uint64_t> matroska_end(const std::filesystem::path& path) {
     offset += static_cast<std::uint64_t>(length);
   }
   return size == mask ? kUnfinished : offset + size;
-}
-
-LibavPixelForm libav_pixel_form(int format) {
-  const AVPixFmtDescriptor* form = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(format));
-  if (!form) throw std::invalid_argument("its pixels are of no known kind");
-  const std::string name = form->name;
-  if (form->flags & AV_PIX_FMT_FLAG_BAYER)
-    throw std::invalid_argument("its pixels are a colour filter mosaic (" + name +
-                                "), which is no grey picture; export it as grey");
-  if (form->flags & (AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BITSTREAM))
-    throw std::invalid_argument("its pixels (" + name +
-                                ") are of a kind that is not read; convert it to grey");
-  LibavPixelForm known;
-  known.name = name;
-  known.rgb = (form->flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL)) != 0;
-  known.colour = known.rgb || form->nb_components >= 3;
-  known.bits = form->flags & AV_PIX_FMT_FLAG_PAL ? 8 : form->comp[0].depth;
-  if (known.rgb && !(form->flags & AV_PIX_FMT_FLAG_PAL) &&
-      (form->comp[1].depth != known.bits || form->comp[2].depth != known.bits))
-    throw std::invalid_argument("its pixels (" + name +
-                                ") have colours of different depth; convert it to grey");
-  return known;
 }
 
 StoredFrame stored_levels(const AVFrame& frame, Picture& computed) {

@@ -124,17 +124,6 @@ std::optional<std::uint64_t> matroska_end(const std::filesystem::path& path);
 
 // Grey levels out of libav's pictures.
 
-struct LibavPixelForm {
-  std::string name;
-  int bits = 0;         ///< of the levels handed out
-  bool colour = false;  ///< chroma or RGB stored
-  bool rgb = false;     ///< luma computed here
-};
-
-/// What a libav pixel format (AVPixelFormat as int) holds. Throws std::invalid_argument with a clause for the
-/// user where no grey level is defined (colour mosaic, hardware surfaces, floating point).
-LibavPixelForm libav_pixel_form(int format);
-
 /// The luma plane of a decoded frame; where luma is computed, or unpacked, it is in `computed`.
 StoredFrame stored_levels(const AVFrame& frame, Picture& computed);
 

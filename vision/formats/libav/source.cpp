@@ -370,25 +370,39 @@ class LibavSource : public DecodedSource {
     info_.width = frame_->width;
     info_.height = frame_->height;
     format_ = frame_->format;
-    try {
-      const LibavPixelForm form = libav_pixel_form(format_);
-      info_.bits = form.bits;
-      info_.colour = form.colour;
-      info_.codec += " (" + form.name + ")";
-      if (form.rgb)
-        info_.notes.push_back("colour turned to luma (0.299 R + 0.587 G + 0.114 B)");
-      else if (form.colour)
-        info_.notes.push_back("luma of a colour recording, as stored");
-      const bool is_limited =
-          form.colour ? frame_->color_range != AVCOL_RANGE_JPEG : frame_->color_range == AVCOL_RANGE_MPEG;
-      if (is_limited && !form.rgb && form.bits >= 8) describe_limited_range(form.bits);
-    } catch (const std::invalid_argument& reason) {
-      refuse("cannot be measured: {}", reason.what());
-    }
+    describe_levels();
     require_progressive();
     describe_coder();
     describe_geometry();
     describe_time(options);
+  }
+
+  void describe_levels() {
+    const AVPixFmtDescriptor* form = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(format_));
+    if (!form) refuse("cannot be measured: its pixels are of no known kind");
+    if (form->flags & AV_PIX_FMT_FLAG_BAYER)
+      refuse(
+          "cannot be measured: its pixels are a colour filter mosaic ({}), which is no grey picture; export "
+          "it "
+          "as grey",
+          form->name);
+    if (form->flags & (AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BITSTREAM))
+      refuse("cannot be measured: its pixels ({}) are of a kind that is not read; convert it to grey",
+             form->name);
+    const bool palette = form->flags & AV_PIX_FMT_FLAG_PAL,
+               rgb = palette || form->flags & AV_PIX_FMT_FLAG_RGB;
+    info_.bits = palette ? 8 : form->comp[0].depth;
+    if (rgb && !palette && (form->comp[1].depth != info_.bits || form->comp[2].depth != info_.bits))
+      refuse("cannot be measured: its pixels ({}) have colours of different depth; convert it to grey",
+             form->name);
+    info_.colour = rgb || form->nb_components >= 3;
+    info_.codec += fmt::format(" ({})", form->name);
+    if (info_.colour)
+      info_.notes.push_back(rgb ? "colour turned to luma (0.299 R + 0.587 G + 0.114 B)"
+                                : "luma of a colour recording, as stored");
+    const bool is_limited =
+        info_.colour ? frame_->color_range != AVCOL_RANGE_JPEG : frame_->color_range == AVCOL_RANGE_MPEG;
+    if (is_limited && !rgb && info_.bits >= 8) describe_limited_range();
   }
 
   /// What players do to the pictures before they show them. Here they are as stored.
@@ -415,8 +429,8 @@ class LibavSource : public DecodedSource {
 
   /// Saturated pixels of limited range pile up at white. Some cameras record levels above it as well: where
   /// the first frame has more of those than of white, the recording clips where full range does.
-  void describe_limited_range(int bits) {
-    const int unit = 1 << (bits - 8), black = 16 * unit, white = 235 * unit;
+  void describe_limited_range() {
+    const int unit = 1 << (info_.bits - 8), black = 16 * unit, white = 235 * unit;
     info_.notes.push_back(fmt::format("limited range: black is stored as {}, white as {}", black, white));
     Picture first(info_.width, info_.height);
     copy_stored(stored_levels(*frame_, computed_), bounds_of(first), first);
