@@ -5,18 +5,11 @@
 #include <cstdlib>
 #include <opencv2/core.hpp>
 
+#include "vision/kernels/plane.h"
 #include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
 namespace {
-
-/// Index mirrored about whole samples: -1 -> 1, n -> n - 2.
-int mirrored(int k, int n) {
-  if (n == 1) return 0;
-  const int period = 2 * (n - 1);
-  k = std::abs(k) % period;
-  return k < n ? k : period - k;
-}
 
 constexpr int kPanel = 32;  ///< signals filtered side by side
 
@@ -72,6 +65,18 @@ TRIBOTRACK_CLONES void prefilter_panel(float* panel, int n) {
         after[q] = z * (after[q] - v);
         store(after[q], sample(k, q));
       }
+  }
+}
+
+/// The same of each column, some at a time.
+void prefilter_columns(cv::Mat samples) {
+  cv::Mat panel(samples.rows, kPanel, CV_32F, cv::Scalar(0));
+  for (int x = 0; x < samples.cols; x += kPanel) {
+    cv::Mat columns = samples.colRange(x, std::min(x + kPanel, samples.cols)),
+            filled = panel.colRange(0, columns.cols);
+    columns.copyTo(filled);
+    prefilter_panel(panel.ptr<float>(), samples.rows);
+    filled.copyTo(columns);
   }
 }
 
@@ -262,36 +267,13 @@ SplineTaps spline_taps(double fraction_x, double fraction_y) {
 QuinticSpline::QuinticSpline(const Picture& picture)
     : width_(picture.width()), height_(picture.height()), stride_(picture.width() + 2 * kPad) {
   coefficients_.resize(static_cast<std::size_t>(stride_) * (height_ + 2 * kPad));
-  const auto row = [&](int y) {
-    return coefficients_.data() + static_cast<std::size_t>(y + kPad) * stride_ + kPad;
-  };
-  // kPanel lines at a time, first along the rows, then along the columns.
-  std::vector<float> panel(static_cast<std::size_t>(kPanel) * std::max(width_, height_));
-  for (int y0 = 0; y0 < height_; y0 += kPanel) {
-    const int lines = std::min(kPanel, height_ - y0);
-    const auto step = stride_ * sizeof(float);
-    cv::Mat turned(width_, lines, CV_32F, panel.data(), kPanel * sizeof(float));
-    cv::transpose(cv::Mat(lines, width_, CV_32F, const_cast<float*>(picture.row(y0).data())), turned);
-    prefilter_panel(panel.data(), width_);
-    cv::Mat back(lines, width_, CV_32F, row(y0), step);
-    cv::transpose(turned, back);
-  }
-  for (int x0 = 0; x0 < width_; x0 += kPanel) {
-    const int lines = std::min(kPanel, width_ - x0);
-    for (int y = 0; y < height_; ++y) std::copy_n(row(y) + x0, lines, panel.begin() + y * kPanel);
-    prefilter_panel(panel.data(), height_);
-    for (int y = 0; y < height_; ++y) std::copy_n(panel.begin() + y * kPanel, lines, row(y) + x0);
-  }
-  for (int y = 0; y < height_; ++y)
-    for (int x = 1; x <= kPad; ++x) {
-      row(y)[-x] = row(y)[mirrored(-x, width_)];
-      row(y)[width_ - 1 + x] = row(y)[mirrored(width_ - 1 + x, width_)];
-    }
-  const auto copy_row = [&](int from, int to) { std::copy_n(row(from) - kPad, stride_, row(to) - kPad); };
-  for (int k = 1; k <= kPad; ++k) {
-    copy_row(mirrored(-k, height_), -k);
-    copy_row(mirrored(height_ - 1 + k, height_), height_ - 1 + k);
-  }
+  cv::Mat padded(height_ + 2 * kPad, stride_, CV_32F, coefficients_.data()), turned;
+  cv::Mat inner = padded({kPad, kPad, width_, height_});
+  cv::transpose(matrix_of(picture), turned);
+  prefilter_columns(turned);
+  cv::transpose(turned, inner);
+  prefilter_columns(inner);
+  cv::copyMakeBorder(inner, padded, kPad, kPad, kPad, kPad, cv::BORDER_REFLECT_101 | cv::BORDER_ISOLATED);
 }
 
 SplineSample QuinticSpline::sample(double x, double y) const {
