@@ -25,8 +25,10 @@ constexpr double kRateFixed = 1e-4;        ///< relative error of a rate that is
 
 using Whole = std::vector<std::int64_t>;
 
-/// Ticks to a slot by least squares, and the least by which all stamps are within a line of about that slope.
-struct Line {
+/// The slots of stamps; ticks to a slot by least squares, and the least by which all stamps are within a line
+/// of about that slope.
+struct Slots {
+  Whole slots;
   double step = 0, off = 0;
 };
 
@@ -54,7 +56,7 @@ double least_off(const Whole& ticks, const Whole& slots, double step) {
   return least;
 }
 
-Line fit_line(const Whole& ticks, const Whole& slots) {
+Slots on_line(const Whole& ticks, Whole slots) {
   const auto count = static_cast<double>(ticks.size());
   double mean_tick = 0, mean_slot = 0, product = 0, square = 0;
   for (std::size_t k = 0; k < ticks.size(); ++k) {
@@ -66,11 +68,11 @@ Line fit_line(const Whole& ticks, const Whole& slots) {
     product += slot * (static_cast<double>(ticks[k] - ticks[0]) - mean_tick);
     square += slot * slot;
   }
-  Line line{.step = product / square, .off = 0};
+  double step = product / square;
   // Whole multiples of one step leave nothing to least squares but its rounding.
-  if (const double whole = std::round(line.step); off_by(ticks, slots, whole) == 0) line.step = whole;
-  line.off = least_off(ticks, slots, line.step);
-  return line;
+  if (const double whole = std::round(step); off_by(ticks, slots, whole) == 0) step = whole;
+  const double off = least_off(ticks, slots, step);
+  return {std::move(slots), step, off};
 }
 
 Whole counted(std::size_t count) {
@@ -96,11 +98,6 @@ Whole slots_by_steps(const Whole& ticks, double usual) {
   return slots;
 }
 
-struct Slots {
-  Whole slots;
-  Line line;
-};
-
 /// The slots of stamps that lie on a line, or nothing. `usual` is the median step.
 std::optional<Slots> slots_of(const ClockEvidence& evidence, double usual) {
   const Whole& ticks = evidence.ticks;
@@ -110,16 +107,14 @@ std::optional<Slots> slots_of(const ClockEvidence& evidence, double usual) {
   };
   std::optional<Slots> by_ticks;  // as the container counts them
   if (evidence.slots) {
-    by_ticks = Slots{ticks, {.step = 1, .off = 0}};
+    by_ticks = Slots{ticks, 1, 0};
     for (std::int64_t& slot : by_ticks->slots) slot -= ticks[0];
     if (usual == 1) return by_ticks;
   }
-  Slots even{counted(ticks.size()), {}};
-  even.line = fit_line(ticks, even.slots);
-  if (even.line.step > 0 && even.line.off <= off_allowed(even.line.step)) return even;
+  const Slots even = on_line(ticks, counted(ticks.size()));
+  if (even.step > 0 && even.off <= off_allowed(even.step)) return even;
   if (!(usual > 0)) return by_ticks;
-  Slots gaps{slots_by_steps(ticks, usual), {}};
-  gaps.line = fit_line(ticks, gaps.slots);
+  const Slots gaps = on_line(ticks, slots_by_steps(ticks, usual));
   const auto steps = static_cast<double>(ticks.size() - 1);
   double single = 0;
   for (std::size_t k = 1; k < ticks.size(); ++k) {
@@ -127,10 +122,10 @@ std::optional<Slots> slots_of(const ClockEvidence& evidence, double usual) {
     if (static_cast<double>(count) > kLongestGap) return by_ticks;
     single += count == 1;
   }
-  const bool exact = gaps.line.off == 0;
-  const bool told = gaps.line.step > kFewestTicks || (exact && gaps.line.step == kFewestTicks) ||
+  const bool exact = gaps.off == 0;
+  const bool told = gaps.step > kFewestTicks || (exact && gaps.step == kFewestTicks) ||
                     (exact && single >= kSingle * steps);
-  if (!told || 2 * single < steps || gaps.line.off > off_allowed(gaps.line.step)) return by_ticks;
+  if (!told || 2 * single < steps || gaps.off > off_allowed(gaps.step)) return by_ticks;
   return gaps;
 }
 
@@ -158,7 +153,7 @@ std::vector<SteadyStretch> stretches_of(const std::vector<double>& steps, double
 
 StampCheck check_of_line(const Slots& found, double tick_s) {
   StampCheck check;
-  check.rate_hz = 1 / (found.line.step * tick_s);
+  check.rate_hz = 1 / (found.step * tick_s);
   check.stretches = {{0, static_cast<std::int64_t>(found.slots.size()) - 1, check.rate_hz}};
   for (std::size_t k = 1; k < found.slots.size(); ++k)
     if (const std::int64_t count = found.slots[k] - found.slots[k - 1]; count > 1)
@@ -186,7 +181,7 @@ StampCheck check_of_steps(const ClockEvidence& evidence, double usual) {
       2 * in_stretches < static_cast<std::int64_t>(steps.size())) {
     check.stretches.clear();
     check.variable = true;
-    check.rate_hz = 1 / (fit_line(evidence.ticks, counted(evidence.ticks.size())).step * evidence.tick_s);
+    check.rate_hz = 1 / (on_line(evidence.ticks, counted(evidence.ticks.size())).step * evidence.tick_s);
     return check;
   }
   check.rate_hz = std::ranges::max_element(check.stretches, {}, length)->rate_hz;
@@ -212,7 +207,7 @@ std::string played_at(double rate_hz) {
 /// Stamps on a line: is its rate one to use?
 void judge_line(const ClockEvidence& evidence, const Slots& found, JudgedStamps& stamps) {
   TimeBaseCandidate& candidate = stamps.candidate;
-  const double span = found.line.step * static_cast<double>(found.slots.back());
+  const double span = found.step * static_cast<double>(found.slots.back());
   const double stated = evidence.stated_rate_hz;
   const bool stated_fits =
       stated > 0 && off_by(evidence.ticks, found.slots, 1 / (stated * evidence.tick_s)) <= 2 * kRounding;
@@ -220,7 +215,7 @@ void judge_line(const ClockEvidence& evidence, const Slots& found, JudgedStamps&
   const auto usual = usual_playback_rate(candidate.rate_hz);
   if (!evidence.by_camera && usual) {
     candidate.reason = played_at(*usual);
-  } else if (!evidence.by_camera && !stated_fits && found.line.off > 0 && !(span > 1 / kRateFixed)) {
+  } else if (!evidence.by_camera && !stated_fits && found.off > 0 && !(span > 1 / kRateFixed)) {
     candidate.reason = fmt::format("ticks of {:.3g} s are too coarse to fix the rate", evidence.tick_s);
   } else {
     candidate.accepted = true;
