@@ -261,34 +261,24 @@ void SceneRenderer::Implementation::render_edges(const Frame& frame, Picture& pi
 }
 
 double SceneRenderer::Implementation::scene_at(double x, int texture_column, const SubRow& row) const {
-  double cover = 1;  // what is left for the layers below
+  double left = 1;  // for the layers below
   double level = 0;
-  if (scene.lamp) {
-    cover -= lamp_edge.coverage(x - scene.lamp->position.x, row.y - scene.lamp->position.y);
-    if (cover <= 0) return 0;
-  }
-  if (scene.disc.visible) {
-    const double dx = x - row.frame.discs[row.node].x;
-    const double dy = row.y - row.frame.discs[row.node].y;
-    const double disc_cover = disc.edge().coverage(dx, dy);
-    if (disc_cover > 0) {
-      level +=
-          cover * disc_cover * disc.colour(dx, dy, row.frame.cosines[row.node], row.frame.sines[row.node]);
-      cover *= 1 - disc_cover;
-      if (cover <= 0) return level;
-    }
-  }
-  if (marker) {
-    const double dx = x - row.frame.markers[row.node].x;
-    const double dy = row.y - row.frame.markers[row.node].y;
-    const double marker_cover = marker->ring.coverage(dx, dy);
-    if (marker_cover > 0) {
-      level += cover * marker_cover * marker->colour(dx, dy);
-      cover *= 1 - marker_cover;
-      if (cover <= 0) return level;
-    }
-  }
-  return level + cover * (scene.platform.level + texture_points.at(row.texture, texture_column));
+  const auto lay = [&](const BlurredCircle& edge, const Point& at, const auto& colour) {
+    const double dx = x - at.x, dy = row.y - at.y, cover = left > 0 ? edge.coverage(dx, dy) : 0;
+    if (cover <= 0) return;
+    level += left * cover * colour(dx, dy);
+    left *= 1 - cover;
+  };
+  if (scene.lamp) lay(lamp_edge, scene.lamp->position, [](double, double) { return 0; });
+  if (scene.disc.visible)
+    lay(disc.edge(), row.frame.discs[row.node], [&](double dx, double dy) {
+      return disc.colour(dx, dy, row.frame.cosines[row.node], row.frame.sines[row.node]);
+    });
+  if (marker)
+    lay(marker->ring, row.frame.markers[row.node],
+        [&](double dx, double dy) { return marker->colour(dx, dy); });
+  return left > 0 ? level + left * (scene.platform.level + texture_points.at(row.texture, texture_column))
+                  : level;
 }
 
 /// The light falling on the scene, and the lamp's own.
