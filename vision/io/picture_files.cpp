@@ -129,14 +129,6 @@ void require_sensible_pages(const std::filesystem::path& path) {
   });
 }
 
-using Bytes = std::span<const std::uint8_t>;
-
-bool begins_with(Bytes bytes, std::string_view mark) {
-  return bytes.size() >= mark.size() &&
-         std::equal(mark.begin(), mark.end(), bytes.begin(),
-                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
-}
-
 }  // namespace
 
 std::int64_t count_tiff_pages(const std::filesystem::path& path) {
@@ -145,11 +137,12 @@ std::int64_t count_tiff_pages(const std::filesystem::path& path) {
 
 void require_decodable_picture(const std::filesystem::path& path) {
   const MappedFile file(path);
-  const Bytes bytes = file.bytes(0, file.size(), "the picture");
-  if (begins_with(bytes, "II") || begins_with(bytes, "MM")) return require_sensible_pages(path);
-  const bool pnm = bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6';
+  const auto bytes = file.bytes(0, file.size(), "the picture");
+  const std::string_view begin(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (begin.starts_with("II") || begin.starts_with("MM")) return require_sensible_pages(path);
+  const bool pnm = begin.size() > 2 && begin[0] == 'P' && begin[1] >= '1' && begin[1] <= '6';
   for (const std::string_view mark : {"\x89PNG\r\n\x1a\n", "BM", "\xFF\xD8\xFF"})
-    if (begins_with(bytes, mark)) return;
+    if (begin.starts_with(mark)) return;
   if (!pnm)
     refuse(path,
            "cannot be decoded as a picture: it is neither PNG, TIFF, BMP, JPEG nor PGM; export it as one of "
