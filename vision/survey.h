@@ -52,6 +52,10 @@ struct Survey {
   bool platform_moves() const { return mark() != nullptr; }
 };
 
+/// Of the first `span` frames at most `most`, in rising order. Their distances do not repeat (multiples of
+/// the golden section), so that no lamp's frequency is missed for being in step with them.
+std::vector<std::int64_t> spread_frames(std::int64_t span, int most);
+
 /// Throws InputError where frames cannot be read.
 Survey survey(FrameSource& source);
 

@@ -7,7 +7,6 @@
 #include "vision/discs/disc_detection.h"
 #include "vision/kernels/plane.h"
 #include "vision/survey.h"
-#include "vision/survey/spread_frames.h"
 #include "vision/tracking/target.h"
 
 namespace tribotrack::vision {
@@ -43,37 +42,28 @@ constexpr double kLeastShare = 0.03;  ///< of the frames that it is lit, and dar
 constexpr int kMostLamps = 5;
 
 /// Frames as bytes, 255 for white, in square bins.
-class BinnedFrames {
- public:
-  BinnedFrames(FrameSource& source, std::span<const std::int64_t> frames)
-      : bin_(std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(source.info().width) *
-                                                              source.info().height / kPixelsAtWork))))),
-        width_(source.info().width / bin_),
-        height_(source.info().height / bin_),
-        white_(source.info().clipping_level()) {
-    Picture picture;
-    for (const std::int64_t frame : frames) {
-      source.read(frame, source.bounds(), picture);
-      cv::Mat bins;
-      cv::resize(matrix_of(picture)({0, 0, width_ * bin_, height_ * bin_}), bins, {width_, height_}, 0, 0,
-                 cv::INTER_AREA);
-      bins.convertTo(frames_.emplace_back(), CV_8U, 255 / white_);
-    }
-  }
-
-  int bin() const { return bin_; }
-  int width() const { return width_; }
-  int height() const { return height_; }
-  double white() const { return white_; }
-  std::size_t count() const { return frames_.size(); }
-  int at(std::size_t frame, int x, int y) const { return frames_[frame].at<std::uint8_t>(y, x); }
-  const cv::Mat& frame(std::size_t k) const { return frames_[k]; }
-
- private:
-  int bin_, width_, height_;
-  double white_;
-  std::vector<cv::Mat> frames_;
+struct BinnedFrames {
+  int bin = 1;
+  double white = 255;
+  std::vector<cv::Mat_<std::uint8_t>> frames;
+  cv::Size size() const { return frames.front().size(); }
 };
+
+BinnedFrames binned_frames(FrameSource& source, std::span<const std::int64_t> frames) {
+  const SourceInfo& info = source.info();
+  BinnedFrames binned;
+  binned.bin = static_cast<int>(std::ceil(std::sqrt(info.width * double(info.height) / kPixelsAtWork)));
+  binned.white = info.clipping_level();
+  const cv::Size size(info.width / binned.bin, info.height / binned.bin);
+  Picture picture;
+  for (const std::int64_t frame : frames) {
+    source.read(frame, source.bounds(), picture);
+    cv::Mat bins;
+    cv::resize(matrix_of(picture)({{0, 0}, size * binned.bin}), bins, size, 0, 0, cv::INTER_AREA);
+    bins.convertTo(binned.frames.emplace_back(), CV_8U, 255 / binned.white);
+  }
+  return binned;
+}
 
 /// A series split at the middle of its range.
 struct TwoLevels {
@@ -114,21 +104,21 @@ TwoLevels two_levels(std::span<const double> series) {
 }
 
 TwoLevels two_levels(const BinnedFrames& frames, int x, int y) {
-  std::vector<double> series(frames.count());
-  for (std::size_t f = 0; f < series.size(); ++f) series[f] = frames.at(f, x, y);
+  std::vector<double> series;
+  for (const auto& frame : frames.frames) series.push_back(frame(y, x));
   return two_levels(series);
 }
 
 /// 255 where a bin switches.
 cv::Mat switching_bins(const BinnedFrames& frames) {
-  cv::Mat low = frames.frame(0).clone(), high = low.clone();
-  for (std::size_t f = 1; f < frames.count(); ++f) {
-    cv::min(low, frames.frame(f), low);
-    cv::max(high, frames.frame(f), high);
+  cv::Mat low = frames.frames.front().clone(), high = low.clone();
+  for (const auto& frame : frames.frames) {
+    cv::min(low, frame, low);
+    cv::max(high, frame, high);
   }
   cv::Mat mask = high - low >= kLeastStep * 255;
-  for (int y = 0; y < frames.height(); ++y)
-    for (int x = 0; x < frames.width(); ++x)
+  for (int y = 0; y < mask.rows; ++y)
+    for (int x = 0; x < mask.cols; ++x)
       if (auto& bin = mask.at<std::uint8_t>(y, x); bin != 0 && !two_levels(frames, x, y).is_switched())
         bin = 0;
   return mask;
@@ -154,10 +144,11 @@ class Candidate {
     for (std::size_t k = 0; k < all.size(); ++k)
       if (steps[k] >= 0.5 * most) bins_.push_back(all[k]);
     box_ = cv::boundingRect(bins_);
-    std::vector<double> series(frames.count(), 0.0);
-    for (std::size_t f = 0; f < series.size(); ++f) {
-      for (const cv::Point& p : bins_) series[f] += frames.at(f, p.x, p.y);
-      series[f] /= static_cast<double>(bins_.size());
+    std::vector<double> series;
+    for (const auto& frame : frames.frames) {
+      double sum = 0;
+      for (const cv::Point& p : bins_) sum += frame(p);
+      series.push_back(sum / static_cast<double>(bins_.size()));
     }
     levels_ = two_levels(series);
   }
@@ -175,7 +166,7 @@ class Candidate {
       x += p.x / n;
       y += p.y / n;
     }
-    const double bin = frames_.bin(), to_levels = frames_.white() / 255;
+    const double bin = frames_.bin, to_levels = frames_.white / 255;
     return {{(x + 0.5) * bin - 0.5, (y + 0.5) * bin - 0.5, bin * std::sqrt(n / std::numbers::pi)},
             to_levels * levels_.dark,
             to_levels * levels_.lit,
@@ -202,14 +193,14 @@ class Candidate {
   /// A bright speck that moves with the platform switches the places that it passes, but what one gains
   /// another loses: the sum over all its path stays.
   bool brings_new_light() const {
-    const int reach = std::max({8 / frames_.bin(), box_.width, box_.height, 2});
+    const int reach = std::max({8 / frames_.bin, box_.width, box_.height, 2});
     const cv::Rect wide =
         cv::Rect(box_.x - reach, box_.y - reach, box_.width + 2 * reach, box_.height + 2 * reach) &
-        cv::Rect(0, 0, frames_.width(), frames_.height());
+        cv::Rect({0, 0}, frames_.size());
     double gain[2] = {0, 0};
     int counts[2] = {0, 0};
-    for (std::size_t f = 0; f < frames_.count(); ++f) {
-      gain[levels_.on[f]] += cv::sum(frames_.frame(f)(wide))[0];
+    for (std::size_t f = 0; f < frames_.frames.size(); ++f) {
+      gain[levels_.on[f]] += cv::sum(frames_.frames[f](wide))[0];
       ++counts[levels_.on[f]];
     }
     const double own = (levels_.lit - levels_.dark) * static_cast<double>(bins_.size());
@@ -224,7 +215,7 @@ class Candidate {
 
 /// What switches in those frames as lamps do.
 std::vector<SurveyedLamp> find_lamps(FrameSource& source, std::span<const std::int64_t> frames) {
-  const BinnedFrames binned(source, frames);
+  const BinnedFrames binned = binned_frames(source, frames);
   const cv::Mat mask = switching_bins(binned);
   cv::Mat labels, stats, centres;
   const int count = cv::connectedComponentsWithStats(mask, labels, stats, centres);

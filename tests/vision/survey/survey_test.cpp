@@ -7,7 +7,6 @@
 #include <random>
 
 #include "vision/analytic_scene.h"
-#include "vision/survey/spread_frames.h"
 
 namespace tribotrack::vision {
 namespace {
