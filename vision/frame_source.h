@@ -115,8 +115,10 @@ class FrameSource {
   }
   Rect bounds() const { return {0, 0, info_.width, info_.height}; }
   /// Reads a window of a frame, which must lie inside bounds(); only its rows, if the format allows it.
-  /// Sequential access is fast in every format. Throws InputError.
-  virtual void read(std::int64_t index, const Rect& window, Picture& picture) = 0;
+  /// Sequential access is fast in every format; the picture's memory is used again. Throws InputError, and
+  /// for a frame or a window that is not there std::out_of_range and std::invalid_argument: a caller's
+  /// mistake.
+  void read(std::int64_t index, const Rect& window, Picture& picture);
   /// How the codec stored one of the last 128 frames that were read; null if that is unknown.
   virtual const CodedFrame* coded(std::int64_t index) const {
     static_cast<void>(index);
@@ -129,6 +131,8 @@ class FrameSource {
   }
 
  protected:
+  /// What read() reads; the window lies in the frame, and `picture` has its size.
+  virtual void fill(std::int64_t index, const Rect& window, Picture& picture) = 0;
   SourceInfo info_;
 };
 
@@ -140,8 +144,7 @@ class MemorySource : public FrameSource {
  public:
   /// Throws std::invalid_argument without frames, for frames of different sizes or a rate not above 0 Hz.
   MemorySource(std::vector<Picture> frames, double frame_rate_hz, int bits = 8);
-  void read(std::int64_t index, const Rect& window, Picture& picture) override;
-  using FrameSource::read;
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override;
 
  private:
   std::vector<Picture> frames_;
@@ -164,8 +167,7 @@ class StackSource : public FrameSource {
   /// Throws std::invalid_argument for an empty stack, levels of other sizes or more bits than these hold, and
   /// a rate not above 0 Hz.
   StackSource(const FrameStack& stack, double frame_rate_hz, int bits);
-  void read(std::int64_t index, const Rect& window, Picture& picture) override;
-  using FrameSource::read;
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override;
 
  private:
   FrameStack stack_;

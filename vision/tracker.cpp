@@ -10,7 +10,6 @@
 
 #include "vision/audit/audit.h"
 #include "vision/camera/frame_cache.h"
-#include "vision/camera/picture_watch.h"
 #include "vision/camera/pixels.h"
 #include "vision/coding/coded_errors.h"
 #include "vision/edge/edge.h"

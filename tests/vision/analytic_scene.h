@@ -126,17 +126,11 @@ class RenderedSource : public FrameSource {
   }
   void named(const std::string& path) { info_.path = path; }
   void number_from(std::int64_t first) { info_.first_number = first; }
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
-    ASSERT_GE(index, 0);
-    ASSERT_LT(index, info_.frame_count);
-    ASSERT_TRUE(bounds().contains(window));
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override {
     const Picture& frame = rendered(index);
-    if (picture.width() != window.width || picture.height() != window.height)
-      picture = Picture(window.width, window.height);
     for (int y = 0; y < window.height; ++y)
       std::copy_n(frame.row(window.y + y).begin() + window.x, window.width, picture.row(y).begin());
   }
-  using FrameSource::read;
 
  private:
   /// Several passes see the same frames: up to kKept pixels are kept.

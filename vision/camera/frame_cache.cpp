@@ -93,9 +93,8 @@ bool FrameCache::read_back(const Place& place, const Rect& window, Picture& pict
   return true;
 }
 
-void FrameCache::read(std::int64_t index, const Rect& window, Picture& picture) {
+void FrameCache::fill(std::int64_t index, const Rect& window, Picture& picture) {
   if (const Place* place = find(index, window)) {
-    prepare_window(info_, index, window, picture);
     if (read_back(*place, window, picture)) return;
     keeping_ = false;  // the file no longer holds what was written to it
     places_.clear();

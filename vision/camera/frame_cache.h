@@ -27,8 +27,7 @@ class FrameCache : public FrameSource {
   FrameCache(const FrameCache&) = delete;
   FrameCache& operator=(const FrameCache&) = delete;
 
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override;
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override;
 
   /// Keeps a window of a frame: best the one read last. Replaces a smaller one; nothing where it is kept
   /// already.

@@ -1,5 +1,4 @@
-#include "vision/camera/picture_watch.h"
-
+// Tracking by the pictures that a recording shows, each of them once.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -129,8 +128,7 @@ std::vector<std::pair<std::int64_t, std::int64_t>> equal_pictures(const std::vec
 class PictureWatch : public FrameSource {
  public:
   explicit PictureWatch(FrameSource& source) : source_(source) { info_ = source.info(); }
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override {
     const bool next = first_ < 0 || index == next_;
     if (next) {
       if (first_ < 0) first_ = index;
@@ -139,7 +137,6 @@ class PictureWatch : public FrameSource {
     }
     const bool held = info_.decoded && index < next_ && index + std::ssize(kept_) >= next_ && index >= first_;
     if (!held) return source_.read(index, window, picture);
-    prepare_window(info_, index, window, picture);
     copy_window(kept(index), window, picture);
   }
   const CodedFrame* coded(std::int64_t index) const override { return source_.coded(index); }
@@ -240,8 +237,7 @@ class SelectedFrames : public FrameSource {
         info_.exposures_s.push_back(all.exposures_s[static_cast<std::size_t>(index)]);
     }
   }
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override {
     source_.read(indices_[static_cast<std::size_t>(index)], window, picture);
   }
   const CodedFrame* coded(std::int64_t index) const override {

@@ -177,7 +177,7 @@ MendedSource::MendedSource(FrameSource& source, std::vector<Pixel> bad)
   }
 }
 
-void MendedSource::read(std::int64_t index, const Rect& window, Picture& picture) {
+void MendedSource::fill(std::int64_t index, const Rect& window, Picture& picture) {
   source_.read(index, window, picture);
   const auto first = std::lower_bound(bad_.begin(), bad_.end(), Pixel{window.x, window.y}, is_before);
   for (auto p = first; p != bad_.end() && p->y < window.y + window.height; ++p) {

@@ -62,8 +62,7 @@ class MendedSource : public FrameSource {
  public:
   /// `source` must outlive this.
   MendedSource(FrameSource& source, std::vector<Pixel> bad);
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override;
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override;
 
  private:
   FrameSource& source_;

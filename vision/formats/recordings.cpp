@@ -196,8 +196,7 @@ MemorySource::MemorySource(std::vector<Picture> frames, double frame_rate_hz, in
                     frame_rate_hz);
 }
 
-void MemorySource::read(std::int64_t index, const Rect& window, Picture& picture) {
-  prepare_window(info_, index, window, picture);
+void MemorySource::fill(std::int64_t index, const Rect& window, Picture& picture) {
   copy_window(frames_[static_cast<std::size_t>(index)], window, picture);
 }
 
@@ -213,8 +212,7 @@ StackSource::StackSource(const FrameStack& stack, double frame_rate_hz, int bits
   info_.codec += fmt::format(" {} bit", bits);
 }
 
-void StackSource::read(std::int64_t index, const Rect& window, Picture& picture) {
-  prepare_window(info_, index, window, picture);
+void StackSource::fill(std::int64_t index, const Rect& window, Picture& picture) {
   const auto* frame = static_cast<const std::uint8_t*>(stack_.first) + index * stack_.frame_stride;
   copy_stored({frame, stack_.row_stride, stack_.level_stride, stack_.bytes_per_level}, window, picture);
 }

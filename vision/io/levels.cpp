@@ -1,27 +1,27 @@
 #include "vision/io/levels.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
-#include <string>
 
 #include "vision/kernels/vector_kernels.h"
 
 namespace tribotrack::vision {
 
-void prepare_window(const SourceInfo& info, std::int64_t index, const Rect& window, Picture& picture) {
-  if (index < 0 || index >= info.frame_count)
-    throw std::out_of_range("frame " + std::to_string(index) + " of '" + info.path.string() +
-                            "', which has " + std::to_string(info.frame_count));
-  if (window.width <= 0 || window.height <= 0 || !Rect{0, 0, info.width, info.height}.contains(window))
-    throw std::invalid_argument("window " + std::to_string(window.width) + " x " +
-                                std::to_string(window.height) + " at (" + std::to_string(window.x) + ", " +
-                                std::to_string(window.y) + ") does not lie in the " +
-                                std::to_string(info.width) + " x " + std::to_string(info.height) +
-                                " picture of '" + info.path.string() + "'");
+void FrameSource::read(std::int64_t index, const Rect& window, Picture& picture) {
+  if (index < 0 || index >= info_.frame_count)
+    throw std::out_of_range(
+        fmt::format("frame {} of '{}', which has {}", index, info_.path.string(), info_.frame_count));
+  if (window.width <= 0 || window.height <= 0 || !bounds().contains(window))
+    throw std::invalid_argument(
+        fmt::format("window {} x {} at ({}, {}) does not lie in the {} x {} picture of '{}'", window.width,
+                    window.height, window.x, window.y, info_.width, info_.height, info_.path.string()));
   if (picture.width() != window.width || picture.height() != window.height)
     picture = Picture(window.width, window.height);
+  fill(index, window, picture);
 }
 
 Rect touched_pixels(double x0, double y0, double x1, double y1, const Rect& bounds) {

@@ -10,12 +10,6 @@
 
 namespace tribotrack::vision {
 
-// What every source does before it fills a window.
-
-/// Checks frame index and window (std::out_of_range, std::invalid_argument: a caller's mistake) and gives the
-/// picture the window's size, keeping its memory where it fits.
-void prepare_window(const SourceInfo& info, std::int64_t index, const Rect& window, Picture& picture);
-
 /// The whole pixels that x0 .. x1, y0 .. y1 touch, and one beyond at the far ends, inside `bounds`.
 Rect touched_pixels(double x0, double y0, double x1, double y1, const Rect& bounds);
 

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <thread>
@@ -24,6 +25,12 @@ struct FrameRange {
 
 /// From the recording's own numbers. Throws InputError where it does not hold them.
 FrameRange frames_to_analyse(const FrameSource& source, const TrackOptions& options);
+
+/// Tracks every n-th frame, as the options say, by `run`; again without the pictures that repeat others, if
+/// the first run meets such: these become points of status `repeat`. Throws InputError for weaved fields.
+TrackResult track_each_picture_once(
+    FrameSource& recording, const TrackOptions& options,
+    const std::function<TrackResult(FrameSource& source, const TrackOptions& options)>& run);
 
 /// How a frame showed the part, beside its place; nothing is known where it was not ok.
 struct PartLook {
@@ -173,8 +180,7 @@ class TimedSource : public FrameSource {
   TimedSource(FrameSource& source, StageClock& clock) : source_(source), clock_(clock) {
     info_ = source.info();
   }
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override {
     const auto timed = clock_.enter("reading and decoding");
     source_.read(index, window, picture);
   }

@@ -26,9 +26,7 @@ class Counting : public FrameSource {
     info_.frame_count = 100;
     info_.decoded = decoded;
   }
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
-    prepare_window(info_, index, window, picture);
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override {
     ++reads;
     for (int y = 0; y < window.height; ++y)
       for (int x = 0; x < window.width; ++x) picture.at(x, y) = level(index, window.x + x, window.y + y);
@@ -122,8 +120,7 @@ class Decoding : public FrameSource {
     info_ = scene.info();
     info_.decoded = decoded;
   }
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override {
     decodings += index != held_;
     held_ = index;
     scene_.read(index, window, picture);

@@ -100,9 +100,7 @@ class CineSource : public FrameSource {
     describe_time(options);
   }
 
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
-    prepare_window(info_, index, window, picture);
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override {
     const std::span<const std::uint8_t> pixels = image(index);
     if (header_.packing != CinePacking::none) {
       unpack(header_.packing == CinePacking::p10 ? unpack_p10 : unpack_p12l, pixels, info_.width, window,

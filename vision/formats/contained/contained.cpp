@@ -184,9 +184,7 @@ class ContainedSource : public FrameSource {
     set_patience(decoder_.socket(), kSecondsPerFrame);
   }
 
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
-    prepare_window(info_, index, window, picture);
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override {
     if (index != held_) fetch(index);
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(info_.width) * level_bytes_;
     copy_stored({frames_->levels(place_), row, level_bytes_, level_bytes_}, window, picture);

@@ -183,9 +183,7 @@ class MrawSource : public FrameSource {
     info_.time_base = judge_time(evidence, options, info_.first_number, info_.notes);
   }
 
-  using FrameSource::read;
-  void read(std::int64_t index, const Rect& window, Picture& picture) override {
-    prepare_window(info_, index, window, picture);
+  void fill(std::int64_t index, const Rect& window, Picture& picture) override {
     const auto frame = file_.bytes(static_cast<std::uint64_t>(index) * bytes_, bytes_,
                                    "image " + std::to_string(number(index)));
     if (stored_bits_ == 12) {
