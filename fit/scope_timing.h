@@ -53,25 +53,4 @@ std::optional<SensorClock> sensor_clock(const ScopeEvents& events, const ScopeOp
 /// how well the clock's time and the oscilloscope's are tied.
 GateMeasurement gate_from_scope(const ScopeEvents& events, const PhaseClock& clock, double tie_sd = 0);
 
-/// What a channel shows, for the user who must say which is which.
-struct ChannelLook {
-  enum class Kind {
-    quiet,    ///< a level, or nothing that repeats
-    pulses,   ///< one rise a turn, as a sensor's
-    bursts,   ///< a carrier switched on and off, as an actuator's
-    carrier,  ///< one that never stops
-  };
-  Kind kind = Kind::quiet;
-  double low = 0, high = 0;    ///< V, the levels: 0.2 % of the samples lie beyond each
-  double least = 0, most = 0;  ///< V
-  double repeat_hz = 0;        ///< of pulses or bursts
-  std::size_t count = 0;       ///< of them
-  double carrier_hz = 0;       ///< of bursts and of a carrier
-};
-
-/// By the rises through half the height, with a hysteresis of a tenth, if most are one interval apart. With
-/// far longer pauses between them they are a switched carrier's, without pauses a sensor's, or a continuous
-/// carrier's if they come faster than any platform turns (500 Hz).
-ChannelLook look_at_channel(const std::vector<double>& volts, double increment);
-
 }  // namespace tribotrack::fit

@@ -158,12 +158,28 @@ void print_survey(const vision::Survey& seen, const vision::SourceInfo& info) {
   print("  for the campaign, or a run of it\n{}", camera_section(seen, info));
 }
 
+/// What an oscilloscope's file holds.
+Json trace_json(const ScopeFile& trace) {
+  Json json = {{"path", trace.input.path.string()},
+               {"format", "oscilloscope trace"},
+               {"layout", trace.layout},
+               {"samples", trace.channels.front().size()},
+               {"start_s", trace.start_s},
+               {"increment_s", trace.increment_s},
+               {"channels", Json::array()}};
+  for (std::size_t k = 0; k < trace.channels.size(); ++k) {
+    const auto [least, most] = std::ranges::minmax(trace.channels[k]);
+    json["channels"].push_back({{"name", trace.names[k]}, {"min_v", least}, {"max_v", most}});
+  }
+  return json;
+}
+
 void probe(const ProbeOptions& options) {
   if (may_be_trace(options.video)) {
     if (!options.picture.empty() || !options.page.empty())
       throw UsageError("--picture and --page belong to recordings: a trace has no frames");
-    const ScopeFile trace = read_scope_file(options.video);
-    print_text(options.json ? text_of(trace_json(trace)) : trace_text(trace));
+    const Json json = trace_json(read_scope_file(options.video));
+    print_text(options.json ? text_of(json) : measurement_text(json));
     return;
   }
   std::vector<Output> outputs;
@@ -198,7 +214,7 @@ void add_probe(CLI::App& app, Context& context) {
   CLI::App& command = *app.add_subcommand(
       "probe",
       "Describe a recording: size, depth, frames, where its frame rate comes from, and what lies in it; or "
-      "an oscilloscope's trace: layout, channels, sampling, and the lines of [scope] for it");
+      "an oscilloscope's trace: layout, sampling and channels");
   command.add_option("VIDEO", options->video, "The recording, or the trace (.csv, .txt)")->required();
   add_number(command, "--fps", options->fps, "Override the frame rate, to see what follows from it");
   add_option(command, "--picture", options->picture, "F.png",

@@ -145,67 +145,7 @@ std::vector<double> rises_of(const std::vector<double>& volts, const Swing& swin
   return rises;
 }
 
-/// The intervals that are within a share of one of them: how many, and their mean.
-struct Near {
-  std::size_t count = 0;
-  double mean = 0;
-};
-
-Near near(const std::vector<double>& gaps, double one, double share) {
-  Near found;
-  double sum = 0;
-  for (const double gap : gaps)
-    if (std::abs(gap / one - 1) < share) {
-      sum += gap;
-      ++found.count;
-    }
-  found.mean = found.count > 0 ? sum / static_cast<double>(found.count) : one;
-  return found;
-}
-
 }  // namespace
-
-ChannelLook look_at_channel(const std::vector<double>& volts, double increment) {
-  constexpr double kLevel = 0.002;         // a pulse may last a hundredth of its turn
-  constexpr double kPause = 5;             // carrier periods, at least, between bursts
-  constexpr double kEven = 0.3;            // by which intervals that are one may differ
-  constexpr double kSame = 0.05;           // those that are not cut short by a burst's edge
-  constexpr double kSlowestCarrier = 500;  // Hz, of one that never stops: no platform turns as fast
-  constexpr std::size_t kFewestPulses = 3, kRisesOfACarrier = 20;
-  ChannelLook look;
-  if (volts.empty()) return look;
-  const Swing swing = swing_of(volts, kLevel);
-  look.low = swing.low;
-  look.high = swing.high;
-  look.least = std::ranges::min(volts);
-  look.most = std::ranges::max(volts);
-  const std::vector<double> rises = rises_of(volts, swing);
-  if (rises.size() < kFewestPulses) return look;
-  std::vector<double> gaps, starts;  // of bursts, were it a carrier, after a pause
-  for (std::size_t i = 1; i < rises.size(); ++i) gaps.push_back(rises[i] - rises[i - 1]);
-  const double usual = internal::upper_median(gaps);
-  for (std::size_t i = 1; i < rises.size(); ++i)
-    if (gaps[i - 1] > kPause * usual) starts.push_back(rises[i]);
-  const Near even = near(gaps, usual, kEven);
-  const bool regular = 10 * even.count >= 7 * (gaps.size() - starts.size());
-  const bool bursts =
-      rises.size() >= kRisesOfACarrier && !starts.empty() && 5 * starts.size() <= rises.size();
-  const double per_second = 1 / (near(gaps, usual, kSame).mean * increment);
-  if (!regular) return look;
-  if (bursts || per_second > kSlowestCarrier) {
-    look.kind = bursts ? ChannelLook::Kind::bursts : ChannelLook::Kind::carrier;
-    look.carrier_hz = per_second;
-    look.count = starts.size() + 1;
-    if (starts.size() > 1)
-      look.repeat_hz =
-          static_cast<double>(starts.size() - 1) / ((starts.back() - starts.front()) * increment);
-    return look;
-  }
-  look.kind = ChannelLook::Kind::pulses;
-  look.count = rises.size();
-  look.repeat_hz = 1 / (even.mean * increment);
-  return look;
-}
 
 ScopeEvents find_scope_events(const ScopeTrace& trace, const ScopeOptions& options) {
   ScopeEvents events;

@@ -133,22 +133,5 @@ TEST(ScopeTiming, BurstsThatDoNotFollowThePlatformGiveNoTiming) {
   EXPECT_NE(gate.why_not.find("from turn to turn"), std::string::npos) << gate.why_not;
 }
 
-TEST(ChannelLook, WhatIsNeitherIsQuiet) {
-  std::mt19937 random(5);
-  std::normal_distribution<double> normal;
-  std::vector<double> noise, level(10000, 1.5), carrier;
-  for (int n = 0; n < 10000; ++n) {
-    noise.push_back(normal(random));
-    carrier.push_back(std::sin(2 * pi * n / 20.0));
-  }
-  EXPECT_NE(look_at_channel(noise, 1e-4).kind, ChannelLook::Kind::pulses);
-  EXPECT_NE(look_at_channel(noise, 1e-4).kind, ChannelLook::Kind::bursts);
-  EXPECT_EQ(look_at_channel(level, 1e-4).kind, ChannelLook::Kind::quiet);
-  EXPECT_EQ(look_at_channel(level, 1e-4).high, 1.5);
-  EXPECT_EQ(look_at_channel({}, 1e-4).kind, ChannelLook::Kind::quiet);
-  EXPECT_EQ(look_at_channel(carrier, 1e-5).kind, ChannelLook::Kind::carrier);
-  EXPECT_NEAR(look_at_channel(carrier, 1e-5).carrier_hz, 5000, 1e-5);
-}
-
 }  // namespace
 }  // namespace tribotrack::fit
