@@ -121,7 +121,6 @@ int run_program(int argc, const char* const* argv) {
   add_options_of_all(app, context);
   add_commands(app, context);
   const std::vector<std::string> words(argv + 1, argv + argc), typed = arguments_of(app, words);
-  const LastWords stopped("stopped: nothing half-written is left");
   try {
     if (const auto what = manual_page(words)) {
       print_text(*what);

@@ -11,7 +11,6 @@
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/text/json.h"
-#include "apps/text/output_file.h"
 #include "apps/usage/wrong_usage.h"
 
 namespace tribotrack::apps {
@@ -41,7 +40,6 @@ void show_in_browser(const std::string& url) {
 void open_command(const OpenOptions& options, const Context& context) {
   OpenSession session(options.given, context);
   LocalServer server(options.port, [&session](const Asked& asked) { return session.answer(asked); });
-  const LastWords ended("the page is closed; the campaign is as it was last written");
   print_text(options.json ? text_of(Json{{"url", server.url()}, {"folder", session.folder().string()}})
                           : server.url() + "\n");
   flush_output();

@@ -172,7 +172,6 @@ void add_watch(CLI::App& app, Context& context) {
   add_common(command, context, "  tribotrack watch recordings --until mu1=1%,mu2=3% -o out");
   command.callback([options, &context] {
     Watcher watcher(*options, context);
-    const LastWords stopped("stopped: finished recordings are kept, and the same command goes on from there");
     watcher.watch();
     watcher.finish();
   });

@@ -24,12 +24,8 @@ namespace tribotrack::apps {
 
 namespace {
 
-constexpr const char* kStopped =
-    "stopped: finished recordings are kept, and the same command goes on from there";
-
 void carry_out(CampaignRunner& runner) {
   runner.take_folder();
-  const LastWords stopped(kStopped);
   runner.measure();
   runner.fit_all();
   runner.report();

@@ -8,11 +8,9 @@
 
 #include <cerrno>
 #include <map>
-#include <mutex>
 #include <set>
 #include <system_error>
 #include <thread>
-#include <utility>
 
 #include "apps/program/errors.h"
 #include "apps/program/streams.h"
@@ -24,15 +22,6 @@ namespace tribotrack::apps {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A signal can come at any time, so what is to be said then is the one piece of state kept per process.
-/// Returns the text before.
-std::string set_last_text(const std::string& text) {
-  static std::mutex mutex;
-  static std::string last;
-  const std::lock_guard lock(mutex);
-  return std::exchange(last, text);
-}
 
 [[noreturn]] void refuse(const fs::path& path, const std::string& why) {
   throw OutputError("{}: cannot be written: {}; give a path in a folder that exists and is yours to write to",
@@ -138,12 +127,6 @@ void remove_leftovers(const fs::path& folder) {
   for (const fs::path& path : left) fs::remove_all(path, ignored);
 }
 
-LastWords::LastWords(const std::string& text) : before_(set_last_text(text)) {}
-
-LastWords::~LastWords() {
-  set_last_text(before_);
-}
-
 namespace {
 
 /// Waits for a signal's number, and ends the process as that signal would after clearing up.
@@ -153,8 +136,8 @@ void clean_up_when_told(int descriptor) {
   do count = ::read(descriptor, &number, 1);
   while (count < 0 && errno == EINTR);
   if (count != 1) return;
-  if (const std::string text = set_last_text(""); !text.empty()) complain(text);
   vision::remove_partial_files();
+  complain("stopped: nothing half-written is left; `run` and `watch` go on from finished recordings");
   ::_exit(128 + number);
 }
 

@@ -52,20 +52,9 @@ void create_folder(const std::filesystem::path& path);
 /// no other process of this program can be writing there.
 void remove_leftovers(const std::filesystem::path& folder);
 
-/// What is said on stderr when one of these signals ends the process, as long as this object lives.
-class LastWords {
- public:
-  explicit LastWords(const std::string& text);
-  ~LastWords();
-  LastWords(const LastWords&) = delete;
-  LastWords& operator=(const LastWords&) = delete;
-
- private:
-  std::string before_;  ///< said again when this object is gone
-};
-
-/// From here on SIGINT, SIGTERM and SIGHUP remove the temporary files of this process before it ends,
-/// and a file beyond the limit on its size (SIGXFSZ) is an error of writing like any other.
+/// From here on SIGINT, SIGTERM and SIGHUP remove the temporary files of this process before it ends, which
+/// is said on stderr, and a file beyond the limit on its size (SIGXFSZ) is an error of writing like any
+/// other.
 void clean_up_on_signals();
 
 }  // namespace tribotrack::apps
