@@ -1,9 +1,7 @@
 // tribotrack track: a recording to a sub-pixel trajectory.
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
-#include <ctime>
 #include <map>
 #include <memory>
 #include <optional>
@@ -160,23 +158,17 @@ void hand_over(const Recording& recording, Called& called) {
 }
 
 /// Tracks, writes what was asked for, and says how it went.
-void track_and_write(const TrackCommandOptions& options, Recording recording, double started,
-                     Context& context) {
+void track_and_write(const TrackCommandOptions& options, Recording recording, Context& context) {
   std::optional<Progress> progress(std::in_place, "track", context, "frames");
   recording.options.progress = [&](std::int64_t done, std::int64_t total) { progress->update(done, total); };
   recording = apps::tracked(std::move(recording), options.output.empty()
                                                       ? std::nullopt
                                                       : std::optional<std::filesystem::path>(options.output));
   progress.reset();
-  auto& times = recording.result.stage_times;
-  times.insert(times.begin(), {"starting", started});
-  const auto tracked = std::chrono::steady_clock::now();
   if (!options.first_frame.empty()) write_first_frame(options.first_frame, recording);
   if (!options.overlay.empty()) write_overlay_file(options.overlay, recording);
   if (!options.output.empty()) write_track(options.output, recording);
   if (context.called) hand_over(recording, *context.called);
-  const std::chrono::duration<double> writing = std::chrono::steady_clock::now() - tracked;
-  times.push_back({"writing the results", writing.count()});
 
   const vision::TrackSummary& summary = recording.result.summary;
   if (options.explain) print_explanation(recording.result);
@@ -193,7 +185,7 @@ void track_and_write(const TrackCommandOptions& options, Recording recording, do
 }
 
 /// As `run` does it: the bytes of the track are the same, unless --frames asks for some only.
-void track_run(const TrackCommandOptions& options, double started, Context& context) {
+void track_run(const TrackCommandOptions& options, Context& context) {
   if (options.run.empty()) throw CLI::RequiredError("--run NAME");
   if (is_standard_output(options.output))
     throw UsageError("the track of a campaign's run is a file: give -o T.csv");
@@ -211,15 +203,13 @@ void track_run(const TrackCommandOptions& options, double started, Context& cont
     }
     Recording recording = checked_recording(campaign, run);
     recording.options.threads = threads_to_use(context);
-    track_and_write(options, std::move(recording), started, context);
+    track_and_write(options, std::move(recording), context);
   });
 }
 
 void track_command(const TrackCommandOptions& options, Context& context) {
-  // CPU time of loading the libraries and reading the command line.
-  const double started = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
   if (options.output.empty() && !context.called) throw UsageError("the output file has no name");
-  if (!options.campaign.empty()) return track_run(options, started, context);
+  if (!options.campaign.empty()) return track_run(options, context);
   if (options.input.empty()) throw CLI::RequiredError("INPUT, or --campaign with --run,");
   Recording recording = recording_of(options);
   if (context.called && context.called->frames) {
@@ -235,7 +225,7 @@ void track_command(const TrackCommandOptions& options, Context& context) {
     debug.emplace(options.debug);
     recording.options.debug = &*debug;
   }
-  track_and_write(options, checked(std::move(recording)), started, context);
+  track_and_write(options, checked(std::move(recording)), context);
 }
 
 /// What only a recording named by itself can be told: a campaign says it for its runs.

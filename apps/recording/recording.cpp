@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -217,11 +216,9 @@ Json configuration_of(const Recording& recording, const std::optional<Input>& ca
 
 /// Hashes the inputs in this order, and remembers their state.
 Recording with_inputs(Recording recording, const std::vector<std::filesystem::path>& files) {
-  const auto begun = std::chrono::steady_clock::now();
   recording.state = InputState(files);
   for (const auto& file : files)
     recording.inputs.push_back(file == recording.video ? hashed_recording(file) : hashed_input(file));
-  recording.hashing_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   recording.configuration = configuration_of(
       recording, recording.camera.calibration ? std::optional(recording.inputs.back()) : std::nullopt);
   return recording;

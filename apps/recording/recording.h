@@ -37,12 +37,11 @@ struct Recording {
   /// key in its meta file is current. Empty for frames in memory.
   std::string key;
   InputState state;
-  double hashing_s = 0;  ///< wall time that the inputs' hashes took
 
   // Tracked.
   /// Still open, for pictures of the track. Frames in memory: given, in place of a file.
   std::shared_ptr<vision::FrameSource> source;
-  vision::TrackResult result;                     ///< its stage times begin with the hashing of the inputs
+  vision::TrackResult result;
   std::optional<vision::PlaneGeometry> geometry;  ///< nothing where neither scale nor diameter was given
   std::optional<vision::Scale> scale;             ///< of the part's top, where there is a geometry
   TrackRows rows;                                 ///< the table

@@ -156,7 +156,6 @@ Recording tracked(Recording recording, const std::optional<std::filesystem::path
   }
   require_mark(recording, result.track);
   drop_covered_lamp(recording, result);
-  result.stage_times.insert(result.stage_times.begin(), {"hashing the inputs", recording.hashing_s});
   if (recording.camera.row_time_s != 0)
     vision::shift_to_rows(result.track, recording.camera.row_time_s, 0.5 * (info.height - 1));
   recording.state.require_unchanged();
