@@ -37,15 +37,12 @@ vision::MarkerChoice tag_named(const std::string& name) {
 
 }  // namespace
 
-std::optional<vision::MarkerChoice> marker_named(const std::string& word) {
+std::string marker_word(const vision::MarkerChoice& marker) {
+  if (marker.kind == Mark::tag)
+    return "tag:" + marker.dictionary + (marker.id ? fmt::format(":{}", *marker.id) : "");
   for (const auto& [name, kind] : kMarks)
-    if (word == name) return vision::MarkerChoice{kind, {}};
-  if (word.starts_with("tag:")) return tag_named(word.substr(4));
-  return std::nullopt;
-}
-
-std::string tag_word(const vision::MarkerChoice& marker) {
-  return "tag:" + marker.dictionary + (marker.id ? fmt::format(":{}", *marker.id) : "");
+    if (marker.kind == kind) return name;
+  return "texture where the ground moves";
 }
 
 namespace fs = std::filesystem;
@@ -106,20 +103,22 @@ namespace {
 void read_marker(StrictTable& table, CameraSection& camera, const fs::path&) {
   const auto word = table.text("marker");
   if (!word) return;
-  try {
-    const auto marker = marker_named(*word);
-    if (!marker) table.fail("marker", fmt::format("must be {}, not \"{}\"", kMarkerWords, *word));
-    camera.marker = *marker;
-  } catch (const std::invalid_argument& error) {
-    table.fail("marker", fmt::format("names no tag: {}", error.what()));
+  if (word->starts_with("tag:")) {
+    try {
+      camera.marker = tag_named(word->substr(4));
+    } catch (const std::invalid_argument& error) {
+      table.fail("marker", fmt::format("names no tag: {}", error.what()));
+    }
+    return;
   }
+  const auto* mark = std::ranges::find(kMarks, *word, &std::pair<const char*, Mark>::first);
+  if (mark == std::end(kMarks))
+    table.fail("marker", fmt::format("must be {}, not \"{}\"", kMarkerWords, *word));
+  camera.marker = {mark->second, {}};
 }
 
 Json written_marker(const CameraSection& camera) {
-  if (camera.marker.kind == Mark::tag) return tag_word(camera.marker);
-  for (const auto& [name, kind] : kMarks)
-    if (camera.marker.kind == kind) return name;
-  return "texture where the ground moves";
+  return marker_word(camera.marker);
 }
 
 }  // namespace

@@ -172,16 +172,8 @@ Json target_json(const vision::Target& target) {
   return "find the disc";
 }
 
-Json marker_json(const vision::MarkerChoice& marker) {
-  using Kind = vision::MarkerChoice::Kind;
-  if (marker.kind == Kind::circle) return circle_json(marker.circle);
-  if (marker.kind == Kind::texture) return "texture";
-  if (marker.kind == Kind::find) return "find";
-  if (marker.kind == Kind::tag) return tag_word(marker);
-  return marker.kind == Kind::none ? "none" : "texture where the ground moves";
-}
-
 Json configuration_of(const Recording& recording, const std::optional<Input>& calibration) {
+  const vision::MarkerChoice& marker = recording.options.marker;
   Json json = {{"frame_rate_hz", optional_json(recording.camera.frame_rate_hz)},
                {"mm_per_px", optional_json(recording.camera.mm_per_px)},
                {"mm_per_px_sd", recording.camera.mm_per_px_sd},
@@ -193,7 +185,8 @@ Json configuration_of(const Recording& recording, const std::optional<Input>& ca
                {"working_distance_mm", optional_json(recording.camera.working_distance_mm)},
                {"xi_axis_rad", recording.camera.xi_axis_rad},
                {"target", target_json(recording.options.target)},
-               {"marker", marker_json(recording.options.marker)},
+               {"marker", marker.kind == vision::MarkerChoice::Kind::circle ? circle_json(marker.circle)
+                                                                            : Json(marker_word(marker))},
                {"gate", circle_json(recording.options.gate)},
                {"first_frame", optional_json(recording.options.first_frame)},
                {"last_frame", optional_json(recording.options.last_frame)},
