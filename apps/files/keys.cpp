@@ -135,7 +135,7 @@ void require_sense(const StrictTable& table, const std::string& name, double val
     double value;
   };
   constexpr std::array kMost = {Most{"_mm_s", "mm/s", 1e7}, Most{"_rad_s", "rad/s", 1e10},
-                                Most{"_m_s2", "m/s2", 1e4}, Most{"_mm_per_px", "mm/px", 1e3},
+                                Most{"_m_s2", "m/s2", 100}, Most{"_mm_per_px", "mm/px", 1e3},
                                 Most{"_mm", "mm", 1e6},     Most{"_hz", "Hz", 1e10},
                                 Most{"_s", "s", 1e7}};
   const std::string key = "_" + (name.ends_with("_sd") ? name.substr(0, name.size() - 3) : name);

@@ -41,21 +41,11 @@ namespace {
 /// A platform tilted by more is no platform.
 constexpr double kSteepest = std::numbers::pi / 4;
 
-/// Gravity as it is on earth, by a factor.
-void refuse_other_units(const StrictTable& table, double gravity) {
-  for (const auto& [factor, unit] :
-       {std::pair{1e3, "mm/s^2"}, std::pair{1e2, "cm/s^2"}, std::pair{1e-3, "km/s^2"}})
-    if (std::abs(gravity / factor - 9.81) < 0.2)
-      table.fail("gravity_m_s2",
-                 fmt::format("must be in m/s^2, about 9.81: {} is that in {}", gravity, unit));
-}
-
 }  // namespace
 
 PlatformSection read_platform(StrictTable& table) {
   PlatformSection platform;
   read_keys(table, platform_keys(), platform);
-  refuse_other_units(table, platform.gravity);
   for (const auto& [key, tilt] :
        {std::pair{"tilt_x_rad", platform.tilt_x}, std::pair{"tilt_y_rad", platform.tilt_y}})
     if (std::abs(tilt) > kSteepest)
@@ -154,7 +144,6 @@ ScenarioFile read_scenario_tables(StrictTable& top) {
     model::Drive& drive = file.scenario.drive;
     read_keys(*table, kPlatform, file);
     if (!table->has("amplitude_y_mm")) drive.amplitude_y = drive.amplitude;
-    refuse_other_units(*table, drive.gravity);
     table->finish();
   }
   if (auto table = top.table("friction")) {
