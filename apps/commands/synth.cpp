@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "apps/files/scene_file.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
+#include "apps/text/input_file.h"
 #include "apps/text/number_text.h"
 #include "apps/text/output_file.h"
 #include "model/friction.h"
@@ -140,20 +140,9 @@ struct SynthOptions {
   bool overwrite = false, json = false;
 };
 
-constexpr std::array<const char*, 8> kExtensions = {".cine", ".mkv", ".avi", ".mp4",
-                                                    ".mov",  ".png", ".tif", ".tiff"};
-
-bool names_recording(const fs::path& path) {
-  return std::find(kExtensions.begin(), kExtensions.end(), path.extension()) != kExtensions.end();
-}
-
-/// Refuses what cannot be written, or would replace a recording, before anything is rendered.
-void check_recordings(const std::vector<fs::path>& videos, const SynthOptions& options) {
+/// Refuses what would replace a recording, before anything is rendered.
+void require_no_recordings(const std::vector<fs::path>& videos) {
   for (const fs::path& video : videos) {
-    if (!names_recording(video))
-      throw InvalidInput("{}: is no name of a recording: use .cine, .mkv, .avi, .mp4, %05d.png or %05d.tif",
-                         video.string());
-    if (options.overwrite) continue;
     const auto files = files_of_input(video);
     const bool rendered = fs::exists(video.string() + ".truth.csv");  // a recording has no known truth
     if (!files.empty() && fs::exists(files.front()) && !rendered)
@@ -168,7 +157,7 @@ void synth(const SynthOptions& options, const Context& context) {
   const std::vector<SceneShot> shots = read_scene_file(options.scene);
   const Input scene = hashed_input(options.scene);
   const bool many = !shots.front().name.empty();
-  if (many && names_recording(options.output))
+  if (many && names_a_recording(options.output))
     throw InvalidInput("{}: names one recording, but {} has {} [[shot]]; give a folder, and --extension {}",
                        options.output, options.scene, shots.size(),
                        fs::path(options.output).extension().string().substr(1));
@@ -179,7 +168,7 @@ void synth(const SynthOptions& options, const Context& context) {
     require_writable({{options.output, Content::pictures}, {options.output + ".truth.csv"}}, {options.scene});
   std::vector<fs::path> videos;
   for (const SceneShot& shot : shots) videos.push_back(video_of(shot));
-  check_recordings(videos, options);
+  if (!options.overwrite) require_no_recordings(videos);
   if (many) create_folder(options.output);
   Progress progress("synth", context);
   std::atomic<long> frames = 0;

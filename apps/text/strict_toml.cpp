@@ -162,16 +162,13 @@ std::string read_text(const std::filesystem::path& file) {
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
   if (!stream) refuse("cannot be read: " + vision::with_remedy(errno, "check its permissions"));
-  std::string content(std::min<std::uintmax_t>(std::filesystem::file_size(file, error), kLargest) + 1, 0);
-  for (std::size_t size = 0;; content.resize(2 * content.size())) {
-    stream.read(content.data() + size, static_cast<std::streamsize>(content.size() - size));
-    size += static_cast<std::size_t>(stream.gcount());
-    if (size > kLargest)
-      refuse("is larger than 256 MB, which no text of measurements is; check its name, or cut it");
-    if (size == content.size()) continue;
-    content.resize(size);
-    return content;
-  }
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error || size > kLargest)
+    refuse("is larger than 256 MB, which no text of measurements is; check its name, or cut it");
+  std::string content(size, 0);
+  stream.read(content.data(), static_cast<std::streamsize>(size));
+  content.resize(static_cast<std::size_t>(stream.gcount()));
+  return content;
 }
 
 StrictTable StrictTable::read(const std::filesystem::path& file) {
