@@ -196,18 +196,9 @@ std::string last_line(const std::string& text) {
   return text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin);
 }
 
-/// What print_figures() may write into `folder`: figures.py, runs.csv, and each figure as NAME-84mm and
-/// NAME-174mm, .svg and .pdf: the widths of one and of two columns of a journal. A figure that has no runs to
-/// show is left out.
-std::vector<std::filesystem::path> printed_files(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files = {folder / "figures.py", folder / "runs.csv"};
-  for (const char* name : {"alpha-phi", "alpha-dtau", "v-phi", "v-dtau", "residuals"})
-    for (const char* ending : {"-84mm.svg", "-84mm.pdf", "-174mm.svg", "-174mm.pdf"})
-      files.push_back(folder / (std::string(name) + ending));
-  return files;
-}
-
-/// Writes table and script, which stays beside the figures, and runs the script. Throws InvalidInput with
+/// Writes table and script, figures.py and runs.csv, and runs the script: each figure as NAME-84mm and
+/// NAME-174mm, .svg and .pdf, the widths of one and of two columns of a journal, but for figures that have no
+/// runs to show. Throws InvalidInput with
 /// what to install where there is no python3 with matplotlib; table and script are then there all the same.
 void print_figures(const std::filesystem::path& folder, std::string_view runs_csv, std::string_view script) {
   create_folder(folder);
@@ -275,10 +266,8 @@ void add_report(CLI::App& app, Context& context) {
       say(context.quiet, fmt::format("{}: runs.csv, parameters.csv, report.txt written", *tables));
     }
     if (!figures->empty()) {
-      std::vector<Output> files;
       create_folder(*figures);
-      for (const auto& file : printed_files(*figures)) files.push_back({file});
-      require_writable(files, run_folder.files_of_report());
+      require_writable({{fs::path(*figures) / "runs.csv"}}, run_folder.files_of_report());
       print_figures(*figures, report.runs_csv, embedded_assets().figures_py);
       say(context.quiet, *figures + ": figures written");
     }

@@ -65,18 +65,10 @@ CameraSection read_camera(StrictTable& table, const std::filesystem::path& folde
 void check_part(const StrictTable& table, const PartSection& part);
 void check_camera(const StrictTable& table, const CameraSection& camera);
 
-/// [x, y, radius] under a key, the radius above 0.
-std::optional<vision::Circle> read_circle(StrictTable& table, const char* key);
-
 /// Is it said where the part lies?
 inline bool is_given(const vision::Target& target) {
   return target.kind != vision::Target::Kind::find_disc;
 }
-
-/// template_px = [x, y, width, height] in whole pixels; refused beside disc_px.
-std::optional<vision::Target> read_template(StrictTable& table);
-/// [x, y, radius] or [x, y, width, height].
-vision::Target read_place(StrictTable& table, const char* key);
 
 // calibration.json: what `calibrate` found out about a camera.
 

@@ -187,6 +187,34 @@ std::optional<double> read_number(StrictTable& table, const KeyFacts& key) {
   return value;
 }
 
+/// [x, y, radius], the radius above 0.
+std::optional<vision::Circle> read_circle(StrictTable& table, const char* key) {
+  const auto values = table.numbers(key, 3);
+  if (!values) return std::nullopt;
+  if (!((*values)[2] > 0))
+    table.fail(key, fmt::format("must have a radius greater than 0, not {}", (*values)[2]));
+  return vision::Circle{(*values)[0], (*values)[1], (*values)[2]};
+}
+
+vision::Rect rect_of(const StrictTable& table, const char* key, const std::vector<std::int64_t>& values) {
+  for (const std::int64_t value : values)
+    if (value < 0 || value > 65535) table.fail(key, fmt::format("must lie in the picture, not at {}", value));
+  const vision::Rect rect{static_cast<int>(values[0]), static_cast<int>(values[1]),
+                          static_cast<int>(values[2]), static_cast<int>(values[3])};
+  if (rect.width < 8 || rect.height < 8)
+    table.fail(key, fmt::format("is [x, y, width, height], at least 8 x 8 pixels, not {} x {}", rect.width,
+                                rect.height));
+  return rect;
+}
+
+/// In whole pixels; refused beside disc_px.
+std::optional<vision::Target> read_template(StrictTable& table) {
+  const auto values = table.integers("template_px", 4);
+  if (!values) return std::nullopt;
+  if (table.has("disc_px")) table.fail("template_px", "and `disc_px` are two parts; give one of them");
+  return vision::Target{vision::Target::Kind::rectangle, {}, rect_of(table, "template_px", *values)};
+}
+
 /// One value out of a table.
 struct Reader {
   StrictTable& table;
@@ -270,6 +298,12 @@ struct Writer {
 };
 
 }  // namespace
+
+vision::Target read_place(StrictTable& table, const char* key) {
+  if (table.count(key) == 4)
+    return {vision::Target::Kind::rectangle, {}, rect_of(table, key, *table.integers(key, 4))};
+  return {vision::Target::Kind::disc, read_circle(table, key).value(), {}};
+}
 
 void require_company(const StrictTable& table, const KeyFacts& key) {
   if (!key.with.empty() && table.has(key.name) && !table.has(key.with))

@@ -100,6 +100,8 @@ using Value =
 
 /// Nothing where the table has no such key. Throws InvalidInput.
 std::optional<double> read_number(StrictTable& table, const Kind& kind, const std::string& name);
+/// [x, y, radius] or [x, y, width, height].
+vision::Target read_place(StrictTable& table, const char* key);
 /// Refuses a key that stands without the one it goes with.
 void require_company(const StrictTable& table, const KeyFacts& key);
 /// Leaves the value alone where the table has no such key. Throws InvalidInput.

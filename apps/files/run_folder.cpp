@@ -21,6 +21,8 @@ namespace tribotrack::apps {
 
 namespace fs = std::filesystem;
 
+constexpr int kSchemaVersion = 1;  ///< of the result files; stands in their meta files
+
 Json MetaFile::json() const {
   Json meta;
   meta["program"] = "tribotrack";

@@ -17,9 +17,6 @@ namespace tribotrack::apps {
 
 // The file beside each result that records how it was made.
 
-/// Of the result files; stands in their meta files.
-inline constexpr int kSchemaVersion = 1;
-
 /// X.meta.json for result X: program and schema version, inputs with their hashes, effective configuration,
 /// and whatever a command adds (time base, plan). Nothing volatile: same inputs, same bytes.
 struct MetaFile {

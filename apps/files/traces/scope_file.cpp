@@ -15,11 +15,11 @@
 
 namespace tribotrack::apps {
 
-const char* const kScopeLayouts =
+namespace {
+
+constexpr const char* kScopeLayouts =
     "the layouts of Rigol, Tektronix, Keysight, Siglent, PicoScope and Digilent are read, and of any other "
     "oscilloscope a plain table in seconds and volts under the line Time(s),CH1(V),CH2(V)";
-
-namespace {
 
 struct Channel {
   std::string name;  ///< "CH1", ...

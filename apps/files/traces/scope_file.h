@@ -20,9 +20,6 @@ struct ScopeFile {
   std::vector<std::vector<double>> channels;  ///< V
 };
 
-/// What read_scope_file() reads, for messages.
-extern const char* const kScopeLayouts;
-
 /// Is this a table at all that may be a trace: a text file that ends in .csv, .txt, .tsv or .dat?
 bool may_be_trace(const std::filesystem::path& path);
 

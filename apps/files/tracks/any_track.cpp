@@ -61,12 +61,12 @@ Track import_track(const fs::path& path, const TrackReading& reading, const fs::
   return track;
 }
 
-const char* const kTrackLayouts =
+namespace {
+
+constexpr const char* kTrackLayouts =
     "tracks of Tracker (t, x, y), Kinovea (Time (ms), ... X, ... Y), DLTdv (pt1_cam1_X), trackpy (frame, x, "
     "y, particle), TrackMate, ImageJ, DICe and tribotrack are read, and of any other program a table with "
     "the columns t_s, x_mm, y_mm";
-
-namespace {
 
 constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
 

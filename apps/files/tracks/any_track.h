@@ -43,9 +43,6 @@ struct TrackColumns {
   bool by_section = false;     ///< rows of several points follow each other, each under its comment
 };
 
-/// What the program knows to read, for messages.
-extern const char* const kTrackLayouts;
-
 /// A track of another program, at its header.
 CsvTable track_table(const std::filesystem::path& path, std::string text);
 
