@@ -7,7 +7,6 @@
 #include <set>
 
 #include "apps/files/campaign/keys.h"
-#include "apps/files/campaign/sections.h"
 #include "apps/files/run_folder.h"
 #include "apps/files/scenario_file.h"
 #include "apps/program/errors.h"

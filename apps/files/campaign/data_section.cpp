@@ -12,7 +12,6 @@
 
 #include "apps/files/campaign/campaign.h"
 #include "apps/files/campaign/keys.h"
-#include "apps/files/campaign/sections.h"
 #include "apps/program/errors.h"
 #include "apps/text/angle.h"
 #include "apps/text/csv_table.h"

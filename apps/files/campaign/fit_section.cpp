@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "apps/files/campaign/keys.h"
-#include "apps/files/campaign/sections.h"
 #include "apps/program/errors.h"
 #include "fit/conditions.h"
 

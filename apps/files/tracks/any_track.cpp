@@ -4,8 +4,6 @@
 #include <regex>
 #include <utility>
 
-#include "apps/files/run_folder.h"
-#include "apps/files/tracks/foreign_track.h"
 #include "apps/program/errors.h"
 #include "apps/text/csv_table.h"
 #include "apps/text/output_file.h"

@@ -1,14 +1,19 @@
 // A finished track, ours or another program's.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/files/campaign/data_section.h"
+#include "apps/files/run_folder.h"
 #include "apps/files/track_file.h"
+#include "apps/files/track_rows.h"
 #include "apps/text/csv_table.h"
 
 namespace tribotrack::apps {
@@ -21,6 +26,24 @@ Track read_any_track(const std::filesystem::path& path, const TrackReading& read
 /// `inputs` of the result is the file written.
 Track import_track(const std::filesystem::path& path, const TrackReading& reading,
                    const std::filesystem::path& csv);
+
+// A track of another program as one of ours.
+
+/// Rows as T.csv holds them, and the meta file beside it. Lengths are taken as they stand: what is in pixels
+/// keeps pixels and a scale, anything else has millimetres alone. Without a mark the positions are in the
+/// camera's frame, as ours are without a marker.
+struct ForeignTrack {
+  TrackRows rows;
+  MetaFile meta;
+};
+
+/// Reads a table of another program. Empty cells and NaN are frames where the part was not seen. Times come
+/// from the frame rate where one is given, else from the file; those printed with few digits are put back on
+/// the even grid that they were rounded from. Standard deviations that the file does not hold are estimated
+/// from the scatter from point to point (fit::point_noise). `text` is the file's content; `path` stands in
+/// messages. Throws InvalidInput with file, line, column and remedy.
+ForeignTrack read_foreign_track(const std::filesystem::path& path, std::string text,
+                                const TrackReading& reading);
 
 // Which column of another program's track is what.
 
@@ -62,5 +85,32 @@ CsvTable track_table(const std::filesystem::path& path, std::string text);
 ///             `x_sd_mm`
 /// Throws InvalidInput where there is none, saying what the table holds.
 TrackColumns read_track_columns(const CsvTable& table);
+
+// One tracked point of another program's file, frame by frame, in the file's own unit.
+
+/// A point in one row of the file. NaN: a time where the file has none, a place where the point was not seen,
+/// sds where they are still to be estimated.
+struct PointSample {
+  std::int64_t frame = 0;                                  ///< the file's, else its rows counted from 0
+  double time = std::numeric_limits<double>::quiet_NaN();  ///< s
+  double x = time, y = time, x_sd = time, y_sd = time;
+  double time_step = 0, step = 0;  ///< the last digits printed: of the time, s, and of x and y
+  bool seen() const { return !std::isnan(x); }
+};
+
+struct PointSamples {
+  std::string name, unit;
+  bool has_sd = false;  ///< in the file
+  std::vector<PointSample> at = {};
+};
+
+/// The points asked for: the part, and the mark where one is named. A file with several points must be told
+/// which is the part; "marker" and "mark" are the mark by their names. Both have the same frames. Throws
+/// InvalidInput with file, line and column, and with the names that there are.
+struct PartAndMark {
+  PointSamples part;
+  std::optional<PointSamples> mark;
+};
+PartAndMark read_points(CsvTable& table, const TrackColumns& columns, const TrackReading& reading);
 
 }  // namespace tribotrack::apps

@@ -1,5 +1,3 @@
-#include "apps/files/tracks/foreign_track.h"
-
 #include <fmt/format.h>
 
 #include <Eigen/Core>
@@ -9,7 +7,6 @@
 #include <utility>
 
 #include "apps/files/tracks/any_track.h"
-#include "apps/files/tracks/point_samples.h"
 #include "apps/program/errors.h"
 #include "apps/text/csv_table.h"
 #include "fit/measurement.h"

@@ -1,5 +1,3 @@
-#include "apps/files/tracks/point_samples.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "apps/files/tracks/any_track.h"
 #include "apps/program/errors.h"
 #include "apps/text/angle.h"
 

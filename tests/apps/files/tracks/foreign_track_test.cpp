@@ -1,5 +1,3 @@
-#include "apps/files/tracks/foreign_track.h"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
