@@ -1,7 +1,7 @@
 // tribotrack measure: alpha, v and whatever else one track shows.
 
 #include <algorithm>
-#include <cmath>
+#include <cstdio>
 #include <memory>
 #include <numbers>
 
@@ -17,7 +17,6 @@
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/simulating/simulation.h"
-#include "apps/text/angle.h"
 #include "apps/text/number_text.h"
 #include "apps/text/output_file.h"
 #include "apps/usage/wrong_usage.h"
@@ -79,8 +78,9 @@ void add_measure(CLI::App& app, Context& context) {
              "Angular frequency of the platform, where no marker shows it");
   add_angle(command, "--epsilon-rad,--phase-shift-rad", options->choices.epsilon_rad,
             "Phase shift the platform should have: its sense is checked");
-  add_number(command, "--cycles", options->choices.cycles,
-             "Whole cycles to measure over, at most (default 20)");
+  add_option(command, "--cycles", options->choices.cycles, "N",
+             "Whole cycles to measure over, at most (default 20)")
+      ->check(whole_number(1, 1'000'000));
   command.add_flag("--free-slide", options->choices.free_slide,
                    "The platform rests and the part slides: mu1, deceleration, stop and spin (also without "
                    "this flag where no drive is given or seen); exit 4 where the track shows another motion");
@@ -124,16 +124,11 @@ struct CalibrateOptions {
 
 vision::CalibrationBoard board_of(const CalibrateOptions& options) {
   vision::CalibrationBoard board;
-  const auto cross = std::min(options.squares.find('x'), options.squares.size());
-  const double columns = parse_number(options.squares.substr(0, cross)).value_or(0);
-  const double rows =
-      cross + 1 < options.squares.size() ? parse_number(options.squares.substr(cross + 1)).value_or(0) : 0;
-  const auto is_count = [](double n) { return n >= 1 && n <= 1000 && n == std::floor(n); };
-  if (!is_count(columns) || !is_count(rows))
+  int read = 0;
+  if (std::sscanf(options.squares.c_str(), "%dx%d%n", &board.columns, &board.rows, &read) != 2 ||
+      static_cast<std::size_t>(read) != options.squares.size() || std::max(board.columns, board.rows) > 1000)
     throw UsageError("--squares must read COLUMNSxROWS, such as 10x7 (squares, not corners), not \"{}\"",
                      options.squares);
-  board.columns = static_cast<int>(columns);
-  board.rows = static_cast<int>(rows);
   if (!(*options.square_mm > 0))
     throw UsageError("--square-mm must be greater than 0, not {}", *options.square_mm);
   board.square_mm = *options.square_mm;

@@ -27,7 +27,8 @@ TrackMotion motion_of(const Track& track, const std::optional<fit::PlatformMotio
 
 /// Each a flag of the command line and a keyword in Python; empty: not given.
 struct MeasureChoices {
-  std::optional<double> omega_rad_s, epsilon_rad, cycles;
+  std::optional<double> omega_rad_s, epsilon_rad;
+  int cycles = 20;
   std::optional<double> gravity_m_s2;  ///< of a free slide
   bool free_slide = false;             ///< else where no drive is given or seen
 };

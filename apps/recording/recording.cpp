@@ -136,7 +136,7 @@ void apply_layers(const TrackChoices& choices, Recording& recording) {
   else if (choices.layers == "on")
     options.layers = vision::Layers::on;
   else if (!choices.layers.empty() && choices.layers != "auto")
-    throw UsageError(fmt::format("--layers must be auto, on or off, not \"{}\"", choices.layers));
+    throw UsageError("--layers must be auto, on or off, not \"{}\"", choices.layers);
   if (options.layers == vision::Layers::on && options.target.kind == vision::Target::Kind::rectangle)
     throw UsageError("--layers on needs a round disc, and --template follows a rectangle");
 }
@@ -154,11 +154,10 @@ Recording recording_of(const std::filesystem::path& video, const TrackChoices& c
   recording.options.last_frame = choices.last_frame;
   recording.options.frame_step = choices.frame_step.value_or(1);
   if (recording.options.frame_step < 1)
-    throw UsageError(
-        fmt::format("--frames A:B:STEP: the step must be 1 or more, not {}", *choices.frame_step));
+    throw UsageError("--frames A:B:STEP: the step must be 1 or more, not {}", *choices.frame_step);
   if (choices.first_frame && choices.last_frame && *choices.first_frame > *choices.last_frame)
-    throw UsageError(fmt::format("--frames {}:{}: the first frame comes after the last", *choices.first_frame,
-                                 *choices.last_frame));
+    throw UsageError("--frames {}:{}: the first frame comes after the last", *choices.first_frame,
+                     *choices.last_frame);
   apply_layers(choices, recording);
   return recording;
 }
@@ -223,16 +222,15 @@ void require_rows_in_time(const Recording& recording, const vision::SourceInfo& 
   const double frame = std::abs(recording.camera.row_time_s) * info.height;
   if (info.time_base.rate_hz && frame * *info.time_base.rate_hz > 1)
     throw InvalidInput(
-        fmt::format("{}: row_time_s = {:.3g} reads a frame of {} rows in {:.3g} s, but frames follow each "
-                    "other every {:.3g} "
-                    "s; give the time from one row to the next",
-                    recording.video.string(), recording.camera.row_time_s, info.height, frame,
-                    1 / *info.time_base.rate_hz));
+        "{}: row_time_s = {:.3g} reads a frame of {} rows in {:.3g} s, but frames follow each other "
+        "every {:.3g} s; give the time from one row to the next",
+        recording.video.string(), recording.camera.row_time_s, info.height, frame,
+        1 / *info.time_base.rate_hz);
   if (recording.options.gate)
-    throw InvalidInput(fmt::format(
+    throw InvalidInput(
         "{}: a lamp (gate_px) is not timed under a rolling shutter (row_time_s); leave one out and "
         "give phi_rad and dtau_rad as commanded",
-        recording.video.string()));
+        recording.video.string());
 }
 
 constexpr double kOtherRate = 0.2;  ///< a rate off by more was not meant for this recording
@@ -243,21 +241,21 @@ void require_rate_of_recording(const Recording& recording, const vision::SourceI
   for (const vision::TimeBaseCandidate& said : info.time_base.candidates)
     if ((said.source.starts_with("cine") || said.source.starts_with("sidecar")) && said.rate_hz > 0 &&
         std::abs(*recording.camera.frame_rate_hz / said.rate_hz - 1) > kOtherRate)
-      throw InvalidInput(fmt::format(
+      throw InvalidInput(
           "{}: frame_rate_hz = {:.6g} (--fps) is given, but the camera wrote {:.6g} Hz into it ({}); leave "
           "it out, or say how you know: frame_rate_reason = \"TEXT\" (--fps-reason TEXT)",
-          recording.video.string(), *recording.camera.frame_rate_hz, said.rate_hz, said.source));
+          recording.video.string(), *recording.camera.frame_rate_hz, said.rate_hz, said.source);
 }
 
 /// Players stretch such pictures; a circle in them is an ellipse here, and alpha is no angle.
 void require_square_pixels(const Recording& recording, const vision::SourceInfo& info) {
   constexpr double kSquare = 1e-3;
   if (std::abs(info.pixel_aspect - 1) <= kSquare) return;
-  throw InvalidInput(fmt::format(
+  throw InvalidInput(
       "{}: its pixels are not square: they are {:.6g} times as wide as high (sample aspect ratio), so "
       "x and y have different scales; scale the pictures first (ffmpeg -i IN -vf "
       "scale=iw*sar:ih,setsar=1 -c:v ffv1 OUT.mkv), or take the ratio out where it is wrong (-vf setsar=1)",
-      recording.video.string(), info.pixel_aspect));
+      recording.video.string(), info.pixel_aspect);
 }
 
 }  // namespace

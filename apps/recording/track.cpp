@@ -26,11 +26,10 @@ std::optional<vision::PlaneGeometry> geometry_of(const Recording& recording, con
     const vision::CameraCalibration camera = read_calibration(*recording.camera.calibration);
     if (camera.width != info.width || camera.height != info.height)
       throw InvalidInput(
-          fmt::format("{}: is for pictures of {} x {} pixels, but {} has {} x {}; calibrate with the camera "
-                      "set as for the "
-                      "recording",
-                      recording.camera.calibration->string(), camera.width, camera.height,
-                      recording.video.string(), info.width, info.height));
+          "{}: is for pictures of {} x {} pixels, but {} has {} x {}; calibrate with the "
+          "camera set as for the recording",
+          recording.camera.calibration->string(), camera.width, camera.height, recording.video.string(),
+          info.width, info.height);
     return vision::PlaneGeometry(camera, recording.part.height_mm.value_or(0));
   }
   std::optional<vision::Parallax> parallax;
@@ -107,10 +106,9 @@ void require_mark(const Recording& recording, const vision::Track& track) {
       track.points, [](const auto& point) { return point.status != vision::TrackStatus::repeat; });
   if (2 * seen < frames)
     throw InvalidInput(
-        fmt::format("{}: no mark can be followed at marker_px = [{:.4g}, {:.4g}, {:.4g}] (--marker): it was "
-                    "found in {} of {} "
-                    "frames; give the place of a mark in the first analysed frame, or leave it out",
-                    recording.video.string(), mark.x, mark.y, mark.radius, seen, frames));
+        "{}: no mark can be followed at marker_px = [{:.4g}, {:.4g}, {:.4g}] (--marker): it was found "
+        "in {} of {} frames; give the place of a mark in the first analysed frame, or leave it out",
+        recording.video.string(), mark.x, mark.y, mark.radius, seen, frames);
 }
 
 /// A part that passes over the lamp is what blinks there.
@@ -171,10 +169,10 @@ Recording tracked(Recording recording, const std::optional<std::filesystem::path
     }
     recording.rows = track_rows(result.track, recording.geometry, recording.camera.xi_axis_rad);
   } catch (const std::invalid_argument& error) {
-    throw InvalidInput(fmt::format("{}: {}", recording.video.string(), error.what()));
+    throw InvalidInput("{}: {}", recording.video.string(), error.what());
   } catch (const std::domain_error& error) {
-    throw InvalidInput(fmt::format("{}: {}; calibrate with the board in the part's whole range",
-                                   recording.video.string(), error.what()));
+    throw InvalidInput("{}: {}; calibrate with the board in the part's whole range", recording.video.string(),
+                       error.what());
   }
   return recording;
 }

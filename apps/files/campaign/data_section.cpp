@@ -40,21 +40,15 @@ bool same_point(const CampaignRun& a, const CampaignRun& b) {
 
 /// Where no sd is known: of the first such line.
 [[noreturn]] void refuse_without_sd(const CampaignRun& line, const fit::PooledPoints& pooled) {
-  std::vector<std::string> unknown, columns, keys;
-  const auto add = [&](bool known, const char* quantity, const char* column, const char* key) {
-    if (known) return;
-    unknown.emplace_back(quantity);
-    columns.emplace_back(column);
-    keys.emplace_back(key);
-  };
-  add(line.alpha_sd.has_value(), "alpha", "alpha_sd_deg", "alpha_sd_rad = \"2deg\"");
-  add(line.v_sd.has_value(), "v", "v_sd_mm_s", "v_sd_mm_s = 0.1");
   throw InvalidInput(
-      "{}: nothing says how good its {} {}: {}; fill in {}, or give the sd of all lines once, [data] {}",
-      line.place, fmt::join(unknown, " and "), unknown.size() > 1 ? "are" : "is",
+      "{}: nothing says how good its {}: {}; fill in alpha_sd_deg and v_sd_mm_s, or give the sd of all lines "
+      "once, [data] alpha_sd_rad = \"2deg\", v_sd_mm_s = 0.1",
+      line.place,
+      line.v_sd       ? "alpha is"
+      : line.alpha_sd ? "v is"
+                      : "alpha and v are",
       pooled.along.dof + pooled.across.dof == 0 ? "it has no sd and no point of the table is measured twice"
-                                                : "it has no sd and the repeats do not differ",
-      fmt::join(columns, " and "), fmt::join(keys, ", "));
+                                                : "it has no sd and the repeats do not differ");
 }
 
 using Points = std::vector<std::vector<std::size_t>>;  ///< the lines of each
