@@ -1,8 +1,7 @@
 // tribotrack open: one page on this machine from a folder of recordings to its report.
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
+#include <cstdlib>
 #include <memory>
 
 #include "apps/commands/command.h"
@@ -23,18 +22,10 @@ struct OpenOptions {
   bool no_browser = false, json = false;
 };
 
-/// By the desktop, where there is one; a grandchild, so that nothing waits for it.
+/// By the desktop, where there is one; nothing waits for it, and Ctrl-C here does not end it.
 void show_in_browser(const std::string& url) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    if (::fork() == 0) {
-      ::setsid();
-      for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) ::close(stream);
-      ::execlp("xdg-open", "xdg-open", url.c_str(), nullptr);
-    }
-    ::_exit(0);
-  }
-  if (child > 0) ::waitpid(child, nullptr, 0);
+  [[maybe_unused]] const int ignored =
+      std::system(fmt::format("setsid xdg-open '{}' >/dev/null 2>&1 &", url).c_str());
 }
 
 void open_command(const OpenOptions& options, const Context& context) {

@@ -8,7 +8,6 @@
 #include "apps/program/errors.h"
 #include "apps/text/angle.h"
 #include "apps/text/strict_toml.h"
-#include "apps/text/toml_slips.h"
 
 namespace tribotrack::apps {
 

@@ -19,7 +19,7 @@
 
 #include "apps/program/errors.h"
 #include "apps/text/angle.h"
-#include "apps/text/toml_slips.h"
+#include "apps/text/input_file.h"
 
 namespace tribotrack::apps {
 

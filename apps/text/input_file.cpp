@@ -18,7 +18,6 @@
 #include "apps/text/angle.h"
 #include "apps/text/json.h"
 #include "apps/text/strict_toml.h"
-#include "apps/text/toml_slips.h"
 #include "vision/frame_source.h"
 #include "vision/temporary_file.h"
 

@@ -12,7 +12,7 @@
 #include "apps/program/errors.h"
 #include "apps/program/streams.h"
 #include "apps/text/angle.h"
-#include "apps/text/toml_slips.h"
+#include "apps/text/input_file.h"
 #include "vision/temporary_file.h"
 
 namespace tribotrack::apps {

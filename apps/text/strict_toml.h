@@ -77,6 +77,9 @@ std::string toml_value(const Json& value, const std::string& place = "a value", 
 /// A text for a comment: on one line, UTF-8, nothing in it that controls a terminal.
 std::string toml_comment(std::string_view text);
 
+/// The byte at a place, which counts lines and characters from 1.
+std::size_t offset_of(std::string_view text, std::size_t line, std::size_t column);
+
 /// The content of a text file, 256 MB at most. Throws InvalidInput, for a fifo or a device too.
 std::string read_text(const std::filesystem::path& file);
 

@@ -6,7 +6,7 @@
 #include "apps/program.h"
 #include "apps/program/errors.h"
 #include "apps/text/strict_toml.h"
-#include "apps/text/toml_slips.h"
+#include "apps/text/input_file.h"
 
 namespace tribotrack::apps {
 
