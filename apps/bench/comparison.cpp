@@ -77,12 +77,13 @@ std::string who_wins(const InGroup* own, const InGroup* peer, const Comparison& 
   return (error < 1 ? "PEER WINS on error " : "tribotrack closer ") + times_text(error) + ", " + faster;
 }
 
-}  // namespace
-
+/// "3.2 us", "3.2 ms", "3.2 s".
 std::string time_text(double seconds) {
   if (seconds < 1e-3) return fmt::format("{:.3g} us", 1e6 * seconds);
   return seconds < 1 ? fmt::format("{:.3g} ms", 1e3 * seconds) : fmt::format("{:.3g} s", seconds);
 }
+
+}  // namespace
 
 std::vector<SummaryLine> summary_of(const Comparison& comparison) {
   std::vector<SummaryLine> lines;

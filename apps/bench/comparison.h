@@ -56,9 +56,6 @@ struct SummaryLine {
 };
 std::vector<SummaryLine> summary_of(const Comparison& comparison);
 
-/// "3.2 us", "3.2 ms", "3.2 s".
-std::string time_text(double seconds);
-
 // Error against run time of the fit, ours and what others do: simulated campaigns with known truth.
 // Measurements of this machine now: the times, not the estimates, change from call to call.
 

@@ -2,7 +2,6 @@
 // part, then what the figures depend on.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,8 +15,6 @@
 
 namespace tribotrack::bench {
 
-// The benchmarks' rows as tables: each column is described once, and printed as CSV, as text and on the page.
-
 /// What one call of `tribotrack bench` measured; empty: not run.
 struct BenchResults {
   std::vector<Comparison> comparisons;
@@ -27,40 +24,13 @@ struct BenchResults {
   std::vector<LaboratoryRow> laboratory;
 };
 
-struct Cell {
-  std::string text;        ///< for people
-  std::string exact = {};  ///< in the CSV, all digits; quoted there where it is no number
-  bool number = false;
-};
-
-template <class Row>
-struct Column {
-  std::string name;     ///< in the CSV; empty: not there
-  std::string heading;  ///< for people; empty: in the CSV only
-  std::function<Cell(const Row&)> cell;
-};
-
 struct Table {
-  std::string name;   ///< of the file, and of the table on the page
-  std::string title;  ///< above the text
-  std::vector<std::string> names, headings;
-  std::vector<std::vector<Cell>> rows;
+  std::string name;  ///< of the file, and of the table on the page
+  /// An object each: cells by the names of their columns.
+  std::vector<apps::Json> rows;
 
-  template <class Row>
-  Table(std::string of_file, std::string above, const std::vector<Row>& from,
-        const std::vector<Column<Row>>& columns)
-      : name(std::move(of_file)), title(std::move(above)) {
-    for (const Column<Row>& column : columns) {
-      names.push_back(column.name);
-      headings.push_back(column.heading);
-    }
-    for (const Row& row : from) {
-      rows.emplace_back();
-      for (const Column<Row>& column : columns) rows.back().push_back(column.cell(row));
-    }
-  }
   std::string csv() const;
-  std::string text() const;
+  /// Headings are the names of the columns, numbers have four digits.
   std::string html() const;
 };
 
@@ -79,7 +49,7 @@ Circumstances circumstances_here();
 /// The lines of the table on top: comparisons, extremes, coverage, the laboratory.
 std::vector<SummaryLine> summary_of(const BenchResults& results);
 
-/// In the order in which they are printed, without the summary.
+/// Without the summary.
 std::vector<Table> tables_of(const BenchResults& results);
 
 /// Of each comparison error against run time, a panel for each group of scenes.

@@ -82,9 +82,11 @@ void write_results(const BenchOptions& asked, const Context& context, const benc
     const fs::path csv = folder / (table.name + ".csv");
     write_result(csv, table.csv(), {"bench", {}, {{"what", asked.what}, {"quick", asked.quick}}});
     told(csv);
-    say(context.quiet, table.text());
   }
-  say(context.quiet, table_of(summary_of(results)).text());
+  say(context.quiet, "Who wins where");
+  for (const bench::SummaryLine& line : summary_of(results))
+    say(context.quiet,
+        fmt::format("  {}: tribotrack {}; others {}: {}", line.measured, line.ours, line.peer, line.who));
   write_file(folder / "bench.html", page_of(results, here));
   told(folder / "bench.html");
   write_file(folder / "bench.json", text_of(json));
@@ -155,8 +157,9 @@ void add_bench(CLI::App& app, Context& context) {
   command.add_flag("--json", options->json, "Print bench.json instead of the names of the files");
   add_common(
       command, context,
-      "  tribotrack bench model -o bench\n\nTables go to stderr, the names of the files written to stdout; "
-      "bench.html shows all of\nit. Where another method is more accurate or faster, the summary says PEER "
+      "  tribotrack bench model -o bench\n\nThe summary goes to stderr, the names of the files written to "
+      "stdout; "
+      "bench.html shows all\nof it. Where another method is more accurate or faster, the summary says PEER "
       "WINS. "
       "One thread is used,\nand all for the simulated campaigns. `bench model` includes SUNDIALS and "
       "Boost.odeint "
