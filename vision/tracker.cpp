@@ -30,7 +30,6 @@ void TrackOptions::validate() const {
   if (chamfer && !(*chamfer >= 0 && *chamfer < 1))
     throw std::invalid_argument("chamfer must be less than the radius and not negative");
   if (frame_step < 1) throw std::invalid_argument("frame_step must be at least 1");
-  if (search_margin_px < 0) throw std::invalid_argument("search_margin_px must not be negative");
   const auto check = [](const Circle& c, const char* what) {
     if (!(std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.radius) && c.radius > 0))
       throw std::invalid_argument(std::string(what) + " must have finite coordinates and a positive radius");

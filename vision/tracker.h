@@ -104,7 +104,6 @@ struct TrackOptions {
   std::int64_t frame_step = 1;  ///< every n-th frame from first_frame on
   double min_ncc = 0.6;         ///< matches with a lower correlation are rejected; 0 .. 1
   double max_lost_share = 0.1;  ///< of the frames: more lost ones and the track is not accepted; 0 .. 1
-  int search_margin_px = 0;     ///< half width of the search around the prediction; 0: chosen from the motion
   Layers layers = Layers::automatic;
   /// Width of the disc's chamfer over its radius, where known; 0: its edge is sharp.
   std::optional<double> chamfer = {};

@@ -294,9 +294,8 @@ void add_track(CLI::App& app, Context& context) {
              "Write a picture of every stage (window, template, weights, prediction, residual; disc, share "
              "of the ground, and ground of the second pass) and index.txt into this folder: of the first, "
              "middle and last of the --frames, and of that with the largest residual");
-  add_option(
-      command, "--config", options->choices.config, "C.toml",
-      "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share, search_margin_px");
+  add_option(command, "--config", options->choices.config, "C.toml",
+             "TOML with [camera], [part] as in a campaign and [track] min_ncc, max_lost_share");
   CLI::Option* campaign =
       add_option(command, "--campaign", options->campaign, "CAMPAIGN.toml",
                  "With --run: track the recording of one run of this campaign as `run` does, instead of an "

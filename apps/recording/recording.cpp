@@ -63,7 +63,7 @@ Recording recording_of(const Campaign& campaign, const CampaignRun& run) {
 
 namespace {
 
-/// C.toml: [camera] and [part] as in a campaign, [track] min_ncc, max_lost_share, search_margin_px.
+/// C.toml: [camera] and [part] as in a campaign, [track] min_ncc, max_lost_share.
 void apply_config(Recording& recording, const std::string& file) {
   StrictTable top = StrictTable::read(file);
   if (auto table = top.table("part")) recording.part = read_part(*table);
@@ -73,7 +73,6 @@ void apply_config(Recording& recording, const std::string& file) {
     recording.options.min_ncc = track->number("min_ncc").value_or(recording.options.min_ncc);
     recording.options.max_lost_share =
         track->not_negative("max_lost_share").value_or(recording.options.max_lost_share);
-    recording.options.search_margin_px = static_cast<int>(track->integer("search_margin_px").value_or(0));
     track->finish();
   }
   top.finish();
@@ -191,7 +190,6 @@ Json configuration_of(const Recording& recording, const std::optional<Input>& ca
                {"last_frame", optional_json(recording.options.last_frame)},
                {"min_ncc", recording.options.min_ncc},
                {"max_lost_share", recording.options.max_lost_share},
-               {"search_margin_px", recording.options.search_margin_px},
                {"row_time_s", recording.camera.row_time_s},
                {"layers", recording.options.layers == vision::Layers::automatic ? "auto"
                           : recording.options.layers == vision::Layers::on      ? "on"

@@ -44,9 +44,7 @@ FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool a
   outside_.reset();
   if (state_ == State::following || state_ == State::tentative) {
     const Point predicted = motion_.at(index);
-    const double reach = options_.search_margin_px > 0
-                             ? options_.search_margin_px
-                             : std::clamp(motion_.reach(index), 3.0, std::max(40.0, pattern_.reach()));
+    const double reach = std::clamp(motion_.reach(index), 3.0, std::max(40.0, pattern_.reach()));
     if (pattern_.inside(bounds, predicted, kEdgeMargin - reach)) {
       out.sighting = near(source, index, predicted, reach);
       if (out.sighting) {

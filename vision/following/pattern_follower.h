@@ -77,7 +77,6 @@ class Distractors {
 
 struct FollowOptions : RegistrationOptions {
   double min_ncc = 0.6;
-  int search_margin_px = 0;  ///< 0: from the motion
   bool search_whole_frame = true;
 };
 

@@ -150,7 +150,6 @@ PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRang
   PartSetup setup;
   setup.follow.min_ncc = options.min_ncc;
   setup.follow.noise_variance = noise_variance;
-  setup.follow.search_margin_px = options.search_margin_px;
   setup.result.first_index = range.first;
   setup.result.total = range.count();
   setup.result.noise_variance = noise_variance;
