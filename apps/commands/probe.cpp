@@ -16,10 +16,10 @@
 #include "apps/text/input_file.h"
 #include "apps/text/json.h"
 #include "apps/text/output_file.h"
-#include "vision/coding_forecast.h"
 #include "vision/duplicate_frames.h"
 #include "vision/frame_source.h"
 #include "vision/overlay.h"
+#include "vision/track.h"
 
 namespace tribotrack::apps {
 

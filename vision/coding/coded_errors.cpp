@@ -9,7 +9,6 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
-#include "vision/coding_forecast.h"
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
 
@@ -344,7 +343,7 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
 namespace {
 
 constexpr double kPredicted = 0.3,
-                 kByItself = 0.08;  ///< errors in steps over the contrast, see coding_forecast.h
+                 kByItself = 0.08;  ///< errors in steps over the contrast, see CodingForecast
 
 std::string advice_for(const Coder& coder) {
   if (coder.all_intra) return "every frame is coded by itself, which is the best a lossy coding can do";

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "vision/coding_forecast.h"
 #include "vision/recordings.h"
 #include "vision/scene.h"
 #include "vision/track_errors.h"
