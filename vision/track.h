@@ -109,17 +109,23 @@ struct Audit {
   double white_factor = 1;               ///< what every covariance is multiplied by
   /// Correlated errors added to each coordinate, px, and their correlation time, s.
   double slow_sd = 0, slow_time = 0;
+  /// Means over the frames: the quantiser's step at the part's edge, grey levels, 0 unknown; shares of the
+  /// edge that are predicted from the same place of another frame, and from elsewhere.
+  double step = 0, still = 0, moving = 0;
+  double unnoticed = 0;  ///< px that the part can move before the codec encodes it
+  /// Half widths, px, of the dead band through which slow motion of the part and of the mark is seen: it
+  /// arrives late by up to that, with too small an amplitude.
+  double part_play = 0, mark_play = 0;
+  double added_sd = 0;   ///< px rms of a coordinate
+  double slow_time = 0;  ///< correlation time of what is added, s
+  /// Share of the displacement by which the two passes differ, where it is beyond doubt.
+  double passes_differ = 0;
+};
+
 };
 
 /// Effect of lossy compression on a track (vision/coding).
 struct CodedErrors {
-  struct OfType {
-    char type = '?';  ///< 'I', 'P' or 'B'
-    std::int64_t frames = 0;
-    double step = 0;      ///< of the quantiser at the part's edge, grey levels; 0 unknown
-    double still = 0;     ///< share of the edge that is predicted from the same place of another frame
-    double added_sd = 0;  ///< px rms of a coordinate, beyond the audit's
-  };
   std::string coder, settings;
   bool known = false;  ///< which one it was, and with which settings
 struct Coder;
@@ -137,18 +143,6 @@ struct CodingForecast {
 
 /// Empty if the codec's quantiser steps are unknown.
 std::optional<CodingForecast> forecast(const Coder& coder, double contrast);
-
-  std::vector<OfType> types;
-  double step = 0, still = 0, moving = 0;  ///< means over the frames
-  double unnoticed = 0;                    ///< px that the part can move before the codec encodes it
-  /// Half widths, px, of the dead band through which slow motion of the part and of the mark is seen: it
-  /// arrives late by up to that, with too small an amplitude.
-  double part_play = 0, mark_play = 0;
-  double added_sd = 0;   ///< px rms of a coordinate
-  double slow_time = 0;  ///< correlation time of what is added, s
-  /// Share of the displacement by which the two passes differ, where it is beyond doubt.
-  double passes_differ = 0;
-};
 
 /// A correlated error: of each coordinate by itself, stationary, with covariance
 /// sd^2 exp(-|t - t'|/time) between two frames. It is included in every point's standard deviations.

@@ -110,16 +110,9 @@ Json json_of(const vision::Audit& audit) {
 }
 
 Json json_of(const vision::CodedErrors& coded) {
-  Json types = Json::object();
-  for (const auto& type : coded.types)
-    types[std::string(1, type.type)] = {{"frames", type.frames},
-                                        {"step_levels", type.step},
-                                        {"still_share", type.still},
-                                        {"added_sd_px", type.added_sd}};
   return {{"coder", coded.coder},
           {"settings", coded.settings},
           {"known", coded.known},
-          {"frame_types", types},
           {"step_levels", coded.step},
           {"still_share", coded.still},
           {"moving_share", coded.moving},

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <opencv2/core.hpp>
 
@@ -224,50 +223,31 @@ double direction_time(const Track& track, double step) {
   return integral;
 }
 
-/// Gathers means over the frames.
-class Means {
- public:
-  void add(const CodedTrack& coded, const WatchedFrame& f, const Added& added) {
-    const double zone = coded.coder.dead_zone;
-    const double part = zone * f.part.step * mean(coded.part_unnoticed);
-    const double mark = zone * f.mark.step * mean(coded.mark_unnoticed);
-    out_.step += f.part.step;
-    out_.still += mean(f.part.still);
-    out_.moving += mean(f.part.moving);
-    out_.unnoticed += part;
-    out_.part_play += kPlay * part * mean(f.part.still);
-    out_.mark_play += kPlay * mark * mean(f.mark.still);
-    out_.added_sd += added.mean();
-    ++count_;
-    CodedErrors::OfType& type = types_[f.part.type];
-    type.type = f.part.type;
-    ++type.frames;
-    type.step += f.part.step;
-    type.still += mean(f.part.still);
-    type.added_sd += added.mean();
-  }
-  CodedErrors errors() {
-    CodedErrors out = out_;
-    for (double* sum :
-         {&out.step, &out.still, &out.moving, &out.unnoticed, &out.part_play, &out.mark_play, &out.added_sd})
-      *sum /= std::max(1.0, count_);
-    out.added_sd = std::sqrt(out.added_sd);
-    for (auto& [name, type] : types_) {
-      const auto n = static_cast<double>(type.frames);
-      type.step /= n;
-      type.still /= n;
-      type.added_sd = std::sqrt(type.added_sd / n);
-      out.types.push_back(type);
-    }
-    return out;
-  }
+double mean(const Point& p) {
+  return 0.5 * (p.x + p.y);
+}
 
- private:
-  static double mean(const Point& p) { return 0.5 * (p.x + p.y); }
-  CodedErrors out_;
-  double count_ = 0;
-  std::map<char, CodedErrors::OfType> types_;
-};
+/// Adds what one frame tells; `added_sd` is a variance until means_of().
+void add_frame(const CodedTrack& coded, const WatchedFrame& f, const Added& added, CodedErrors& sums) {
+  const double zone = coded.coder.dead_zone;
+  const double part = zone * f.part.step * mean(coded.part_unnoticed);
+  const double mark = zone * f.mark.step * mean(coded.mark_unnoticed);
+  sums.step += f.part.step;
+  sums.still += mean(f.part.still);
+  sums.moving += mean(f.part.moving);
+  sums.unnoticed += part;
+  sums.part_play += kPlay * part * mean(f.part.still);
+  sums.mark_play += kPlay * mark * mean(f.mark.still);
+  sums.added_sd += added.mean();
+}
+
+CodedErrors means_of(CodedErrors sums, double frames) {
+  for (double* sum : {&sums.step, &sums.still, &sums.moving, &sums.unnoticed, &sums.part_play,
+                      &sums.mark_play, &sums.added_sd})
+    *sum /= std::max(1.0, frames);
+  sums.added_sd = std::sqrt(sums.added_sd);
+  return sums;
+}
 
 /// One sentence for a person.
 std::string coding_warning(const CodedErrors& errors) {
@@ -314,17 +294,19 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
   const double white = summary.audit.white_factor;
   if (!summary.layered) widen_first(track);
   const Point middle = mean_position(track);
-  Means means;
+  CodedErrors sums;
+  double frames = 0;
   for (const WatchedFrame& f : coded.frames) {
     const auto place = static_cast<std::size_t>(f.index - coded.first_index);
     if (place >= track.points.size() || track.points[place].status != TrackStatus::ok) continue;
     TrackPoint& p = track.points[place];
     Added added = added_in(coded, f, p, white);
     added += (coded.passes_differ * Eigen::Array2d(p.x - middle.x, p.y - middle.y)).square();
-    means.add(coded, f, added);
+    add_frame(coded, f, added, sums);
+    ++frames;
     set_covariance(p, covariance_of(p) + Eigen::Matrix2d(added.matrix().asDiagonal()));
   }
-  CodedErrors found = means.errors();
+  CodedErrors found = means_of(sums, frames);
   found.coder = coded.coder.name;
   found.settings = coded.coder.settings;
   found.known = coded.coder.known;
