@@ -185,31 +185,16 @@ std::vector<double> sector_pull(const RimPixels& pixels, const RimParameters& p,
 /// Those within `band` px of the circle, with weight 1.
 RimPixels rim_pixels(const Picture& picture, const Circle& c, double band) {
   RimPixels pixels;
-  const auto expected = static_cast<std::size_t>(std::max(0.0, 4.2 * kPi * c.radius * band) + 64);
-  for (auto* v : {&pixels.x, &pixels.y, &pixels.level}) v->reserve(expected);
-  const double reach = c.radius + band;
-  const Rect about = window_about({c.x, c.y}, reach, bounds_of(picture));
-  const int x0 = about.x, x1 = about.x + about.width - 1;
-  const double least = std::pow(std::max(0.0, c.radius - band), 2), most = reach * reach;
-  for (int y = about.y; y < about.y + about.height; ++y) {
-    const float* row = picture.row(y).data();
-    const double across = (y - c.y) * (y - c.y);
-    // Left of the inner circle and right of it; without one, all at once.
-    const double half = across < least ? std::sqrt(least - across) : 0;
-    const int left = std::clamp(static_cast<int>(std::ceil(c.x - half)) + 1, x0, x1 + 1);
-    const int right = std::clamp(static_cast<int>(std::floor(c.x + half)) - 1, left, x1 + 1);
-    const auto add = [&](int from, int to) {
-      for (int x = from; x < to; ++x) {
-        const double square = (x - c.x) * (x - c.x) + across;
-        if (square < least || square > most) continue;
-        pixels.x.push_back(x);
-        pixels.y.push_back(y);
-        pixels.level.push_back(static_cast<double>(row[x]));
-      }
-    };
-    add(x0, left);
-    add(right, x1 + 1);
-  }
+  const double least = std::max(0.0, c.radius - band), most = c.radius + band;
+  const Rect about = window_about({c.x, c.y}, most, bounds_of(picture));
+  for (int y = about.y; y < about.y + about.height; ++y)
+    for (int x = about.x; x < about.x + about.width; ++x) {
+      const double square = (x - c.x) * (x - c.x) + (y - c.y) * (y - c.y);
+      if (square < least * least || square > most * most) continue;
+      pixels.x.push_back(x);
+      pixels.y.push_back(y);
+      pixels.level.push_back(static_cast<double>(picture.at(x, y)));
+    }
   pixels.weight.assign(pixels.x.size(), 1);
   return pixels;
 }

@@ -162,7 +162,6 @@ std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, doubl
     arrays_.weight[i] = 0;
     ++count;
   }
-  trimmed_ = true;
   constexpr double kMaxTrim = 0.4;  ///< a larger share of outliers: it is not the template
   if (static_cast<double>(count) > kMaxTrim * static_cast<double>(sizes.size())) {
     arrays_.weight = base_weight_;

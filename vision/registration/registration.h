@@ -124,8 +124,6 @@ class TemplateRegistration {
   // Work space.
   TileArrays arrays_;
   std::vector<float> base_weight_;          ///< before trimming
-  bool whole_mask_ = false;                 ///< and it is mask_
-  bool trimmed_ = false;                    ///< arrays_.weight is less than that
   std::vector<float> turned_x_, turned_y_;  ///< scratch of sample_turned
   std::vector<const float*> corners_;
 };

@@ -121,13 +121,10 @@ Picture TemplateRegistration::at(const Pose& pose, const Rect& window) const {
 /// half of the mask is covered.
 bool TemplateRegistration::take_picture(const Picture& picture, int x, int y, int whole_x, int whole_y) {
   const Rect& w = pattern_.window;
-  if (!whole_mask_) base_weight_ = mask_;
+  base_weight_ = mask_;
   const bool all_inside = take_levels(picture, w.x + whole_x - x, w.y + whole_y - y, places_, pivot_,
                                       arrays_.level, base_weight_);
-  // What the frame before changed: mostly nothing.
-  if (trimmed_ || !all_inside || !whole_mask_) arrays_.weight = base_weight_;
-  trimmed_ = false;
-  whole_mask_ = all_inside;
+  arrays_.weight = base_weight_;
   if (all_inside) return true;
   double covered = 0;
   for (const float weight : base_weight_) covered += weight;

@@ -40,41 +40,28 @@ void GroundPicture::add(const Picture& picture, int x, int y, const Point& displ
   Picture moved(width, height);
   QuinticSpline(picture).sample_window(u0 + displacement.x - x, v0 + displacement.y - y, width, height,
                                        moved.levels().data(), nullptr, nullptr);
-  // Spans of each row beside the hidden circle: act(row of `moved`, first column, last + 1, place in sums).
-  const auto uncovered = [&](const auto& act) {
-    for (int j = 0; j < height; ++j) {
-      const double dy = v0 + j + displacement.y - hidden.y;
-      const double square = hidden.radius * hidden.radius - dy * dy;
-      const auto at = static_cast<std::size_t>(v0 + j - region_.y) * region_.width + (u0 - region_.x);
-      const float* row = moved.row(j).data();
-      if (square < 0) {
-        act(row, 0, width, at);
-        continue;
-      }
-      const double middle = hidden.x - displacement.x - u0, half = std::sqrt(square);
-      act(row, 0, std::clamp(static_cast<int>(std::ceil(middle - half)), 0, width), at);
-      act(row, std::clamp(static_cast<int>(std::floor(middle + half)) + 1, 0, width), width, at);
-    }
+  // Calls act(level, place in the sums) for what lies beside the hidden circle.
+  const auto for_uncovered = [&](const auto& act) {
+    for (int j = 0; j < height; ++j)
+      for (int i = 0; i < width; ++i)
+        if (!in_circle(hidden, u0 + i + displacement.x, v0 + j + displacement.y))
+          act(moved.at(i, j),
+              static_cast<std::size_t>(v0 + j - region_.y) * region_.width + (u0 + i - region_.x));
   };
-  float* sums = away_.sum.levels().data();
-  float* squares = away_.squares.levels().data();
-  float* counts = away_.count.levels().data();
+  const std::span<float> sums = away_.sum.levels(), squares = away_.squares.levels(),
+                         counts = away_.count.levels();
   double here = 0, before = 0;
-  uncovered([&](const float* row, int from, int to, std::size_t at) {
-    for (int i = from; i < to; ++i)
-      if (const float n = counts[at + static_cast<std::size_t>(i)]; n > 0) {
-        here += static_cast<double>(row[i]);
-        before += static_cast<double>(sums[at + static_cast<std::size_t>(i)] / n);
-      }
+  for_uncovered([&](float level, std::size_t at) {
+    if (!(counts[at] > 0)) return;
+    here += static_cast<double>(level);
+    before += static_cast<double>(sums[at] / counts[at]);
   });
   const auto light = static_cast<float>(here > 0 && before > 0 ? before / here : 1);
-  uncovered([&](const float* row, int from, int to, std::size_t at) {
-    for (int i = from; i < to; ++i) {
-      const float level = light * row[i];
-      sums[at + i] += level;
-      squares[at + i] += level * level;
-      counts[at + i] += 1;
-    }
+  for_uncovered([&](float seen, std::size_t at) {
+    const float level = light * seen;
+    sums[at] += level;
+    squares[at] += level * level;
+    counts[at] += 1;
   });
 }
 
