@@ -112,58 +112,49 @@ Split split_of(const std::vector<AuditFrame>& frames, Eigen::Vector2d HalvesErro
   return out;
 }
 
-/// Squares added up by blocks of consecutive frames, which show how far the sum is to be trusted even where
-/// errors are alike from frame to frame.
-class BlockSums {
- public:
-  void begin_block() { blocks_.emplace_back(); }
-  void add(double square, double numbers) {
-    blocks_.back().square += square;
-    blocks_.back().numbers += numbers;
-  }
-  double numbers() const { return total().numbers; }
-  /// `lost` degrees of freedom; `efficiency`: numbers per independent one.
-  MeanSquare mean(double lost, double efficiency) const {
-    const Block all = total();
-    MeanSquare out;
-    out.value = all.square / std::max(1.0, all.numbers - lost);
-    double spread = 0;
-    for (const Block& b : blocks_) spread += std::pow(b.square - out.value * b.numbers, 2);
-    const auto count = static_cast<double>(blocks_.size());
-    const double clustered = count > 1 ? std::sqrt(spread * count / (count - 1)) / all.numbers : 0;
-    out.scatter = std::max(clustered, out.value * std::sqrt(2 * efficiency / std::max(1.0, all.numbers)));
-    return out;
-  }
-
- private:
-  struct Block {
-    double square = 0, numbers = 0;
-  };
-  Block total() const {
-    Block all;
-    for (const Block& b : blocks_) {
-      all.square += b.square;
-      all.numbers += b.numbers;
-    }
-    return all;
-  }
-  std::vector<Block> blocks_;
+/// Squares added up over consecutive frames: blocks show how far their sum is to be trusted even where errors
+/// are alike from frame to frame.
+struct Block {
+  double square = 0, numbers = 0;
 };
+using Blocks = std::vector<Block>;
+
+Block total(const Blocks& blocks) {
+  Block all;
+  for (const Block& b : blocks) all = {all.square + b.square, all.numbers + b.numbers};
+  return all;
+}
+
+/// `lost` degrees of freedom; `efficiency`: numbers per independent one.
+MeanSquare mean_of(const Blocks& blocks, double lost, double efficiency) {
+  const Block all = total(blocks);
+  MeanSquare out;
+  out.value = all.square / std::max(1.0, all.numbers - lost);
+  double spread = 0;
+  for (const Block& b : blocks) spread += std::pow(b.square - out.value * b.numbers, 2);
+  const auto count = static_cast<double>(blocks.size());
+  const double clustered = count > 1 ? std::sqrt(spread * count / (count - 1)) / all.numbers : 0;
+  out.scatter = std::max(clustered, out.value * std::sqrt(2 * efficiency / std::max(1.0, all.numbers)));
+  return out;
+}
 
 /// Squares and successive differences of several splits.
 struct Sums {
-  BlockSums squares, differences;
+  Blocks squares, differences;
   void add(const Split& split) {
     std::int64_t begun = std::numeric_limits<std::int64_t>::min() / 2;
     for (std::size_t k = 0; k < split.size(); ++k) {
       const bool consecutive = k > 0 && split[k].index == split[k - 1].index + 1;
       if (!consecutive || split[k].index >= begun + kAuditRun) {
-        squares.begin_block();
-        differences.begin_block();
+        squares.emplace_back();
+        differences.emplace_back();
         begun = split[k].index;
       }
-      squares.add(split[k].z.squaredNorm(), 2);
-      if (consecutive) differences.add((split[k].z - split[k - 1].z).squaredNorm() / 2, 2);
+      squares.back().square += split[k].z.squaredNorm();
+      squares.back().numbers += 2;
+      if (!consecutive) continue;
+      differences.back().square += (split[k].z - split[k - 1].z).squaredNorm() / 2;
+      differences.back().numbers += 2;
     }
   }
 };
@@ -200,7 +191,7 @@ double slow_frames(const std::array<Split, 3>& splits, double slow) {
 double ratio_of(const Split& split) {
   Sums sums;
   sums.add(split);
-  return std::sqrt(sums.squares.mean(2, 1).value);
+  return std::sqrt(mean_of(sums.squares, 2, 1).value);
 }
 
 }  // namespace
@@ -215,13 +206,13 @@ std::optional<HalvesFound> halves_found(const std::vector<AuditFrame>& frames) {
   HalvesFound out;
   out.left_right = ratio_of(splits[0]);
   out.top_bottom = ratio_of(splits[1]);
-  out.total = sums.squares.mean(6, 1);
+  out.total = mean_of(sums.squares, 6, 1);
   out.white = out.total;
   for (const AuditFrame& frame : frames)
     out.unit += 0.5 * frame.covariance.trace() / static_cast<double>(frames.size());
-  const double numbers = sums.squares.numbers(), pairs = sums.differences.numbers();
+  const double numbers = total(sums.squares).numbers, pairs = total(sums.differences).numbers;
   if (pairs < 2 * kLeastFrames) return out;
-  const MeanSquare successive = sums.differences.mean(0, 1.5);
+  const MeanSquare successive = mean_of(sums.differences, 0, 1.5);
   const double slow = out.total.value - successive.value;
   if (slow <= kCertain * successive.value * std::sqrt(std::max(0.0, 3 / pairs - 2 / numbers))) return out;
   out.white = successive;
