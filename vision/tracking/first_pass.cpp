@@ -205,8 +205,6 @@ Track FirstPass::finish() {
 
 void FirstPass::show(const Track& track, const std::vector<ShownFrame>& frames) {
   if (!options_.debug) return;
-  const auto running = clock_.enter("debug pictures");
-  show_template(setup_, first_, *options_.debug);
   show_first_pass(setup_, first_, track, frames, source_, *options_.debug);
 }
 

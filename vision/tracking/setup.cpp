@@ -198,10 +198,6 @@ namespace {
 constexpr float kNotKnown = std::numeric_limits<float>::quiet_NaN();
 constexpr int kContext = 4;  ///< px shown about the template
 
-TemplateRegistration registration_of(const PartSetup& part, const Picture& first) {
-  return {part.average.picture(first), part.pattern, part.follow};
-}
-
 /// The camera's pixels about the template at a pose.
 Rect window_at(const Pattern& pattern, const Pose& pose, const Rect& bounds) {
   const Rect& w = pattern.window;
@@ -227,22 +223,17 @@ Picture predicted(const TemplateRegistration& registration, const Registration& 
 
 }  // namespace
 
-void show_template(const PartSetup& part, const Picture& first, DebugSink& sink) {
-  const TemplateRegistration registration = registration_of(part, first);
-  const Rect& window = part.pattern.window;
-  const Point at{static_cast<double>(window.x), static_cast<double>(window.y)};
+void show_first_pass(const PartSetup& part, const Picture& first, const Track& track,
+                     const std::vector<ShownFrame>& frames, FrameSource& source, DebugSink& sink) {
+  TemplateRegistration registration(part.average.picture(first), part.pattern, part.follow);
+  const Rect& whole = part.pattern.window;
   sink.show(StagePicture{
       .name = "first_pass_template",
       .title = "template of the first pass, average of " + std::to_string(part.average.frames) + " frame(s)",
       .why_frame = "where the part is in the first frame",
-      .levels = registration.at({}, window),
-      .first = at,
+      .levels = registration.at({}, whole),
+      .first = {static_cast<double>(whole.x), static_cast<double>(whole.y)},
       .place = "of the camera"});
-}
-
-void show_first_pass(const PartSetup& part, const Picture& first, const Track& track,
-                     const std::vector<ShownFrame>& frames, FrameSource& source, DebugSink& sink) {
-  TemplateRegistration registration = registration_of(part, first);
   for (const ShownFrame& shown : frames) {
     const auto place = static_cast<std::size_t>(shown.index - part.result.first_index);
     const TrackPoint& point = track.points[place];

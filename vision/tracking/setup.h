@@ -70,11 +70,8 @@ PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRang
 
 // Pictures of the first pass for debugging.
 
-/// The template.
-void show_template(const PartSetup& part, const Picture& first, DebugSink& sink);
-
-/// Window, prediction by the template and residual in each of these frames, which are read again. `track` as
-/// the first pass left it.
+/// The template; window, prediction by the template and residual in each of these frames, which are read
+/// again. `track` as the first pass left it.
 void show_first_pass(const PartSetup& part, const Picture& first, const Track& track,
                      const std::vector<ShownFrame>& frames, FrameSource& source, DebugSink& sink);
 
