@@ -109,6 +109,12 @@ struct Audit {
   double white_factor = 1;               ///< what every covariance is multiplied by
   /// Correlated errors added to each coordinate, px, and their correlation time, s.
   double slow_sd = 0, slow_time = 0;
+};
+
+/// Effect of lossy compression on a track (vision/coding).
+struct CodedErrors {
+  std::string coder, settings;
+  bool known = false;  ///< which one it was, and with which settings
   /// Means over the frames: the quantiser's step at the part's edge, grey levels, 0 unknown; shares of the
   /// edge that are predicted from the same place of another frame, and from elsewhere.
   double step = 0, still = 0, moving = 0;
@@ -122,12 +128,6 @@ struct Audit {
   double passes_differ = 0;
 };
 
-};
-
-/// Effect of lossy compression on a track (vision/coding).
-struct CodedErrors {
-  std::string coder, settings;
-  bool known = false;  ///< which one it was, and with which settings
 struct Coder;
 
 /// What to expect of a recording with lossy compression before anything is tracked.
