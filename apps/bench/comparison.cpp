@@ -288,7 +288,7 @@ Problem simulated_campaign(const FitTruth& truth, unsigned seed, double cycles) 
   return problem;
 }
 
-Comparison bench_fit(const FitBenchOptions& options) {
+Comparison bench_fit(const BenchOptions& options) {
   Comparison comparison{"fit",
                         "Error of a fit against run time",
                         "rms error of mu1",

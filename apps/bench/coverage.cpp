@@ -9,7 +9,6 @@
 #include <string>
 #include <utility>
 
-#include "apps/bench/dice.h"
 #include "apps/bench/peers.h"
 #include "fit/estimate.h"
 #include "model/parallel.h"
@@ -303,7 +302,9 @@ bool holds(const std::vector<Interval>& pieces, double value, bool turns) {
   });
 }
 
-std::vector<CoverageRow> coverage(const CoverageOptions& options) {
+std::vector<CoverageRow> coverage(const BenchOptions& options) {
+  constexpr std::uint64_t kSeed = 20210701;
+  const int campaigns = options.campaigns.value_or(options.quick ? 2 : 200);
   struct Work {
     Design design;
     NoiseLevel level;
@@ -313,12 +314,12 @@ std::vector<CoverageRow> coverage(const CoverageOptions& options) {
   std::vector<Work> work;
   for (const Design design : kDesigns)
     for (const NoiseLevel level : kNoiseLevels)
-      for (int k = 0; k < options.campaigns; ++k) work.push_back({design, level, k});
+      for (int k = 0; k < campaigns; ++k) work.push_back({design, level, k});
   int done = 0;
   std::mutex mutex;
   parallel_for(work.size(), options.threads, [&](std::size_t i) {
     auto& [design, level, k, judged] = work[i];
-    judged = judge(design, level, draw_campaign(design, level, options.seed, k));
+    judged = judge(design, level, draw_campaign(design, level, kSeed, k));
     const std::lock_guard lock(mutex);
     if (options.progress) options.progress(++done, static_cast<int>(work.size()));
   });

@@ -2,16 +2,40 @@
 // known truth.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <functional>
+#include <random>
 #include <string>
 #include <vector>
 
+#include "apps/bench/comparison.h"
 #include "fit/fit_result.h"
 #include "fit/problem.h"
 
 namespace tribotrack::bench {
+
+/// The generator of one simulated campaign: depends on what it is given alone.
+class Dice {
+ public:
+  Dice(std::uint64_t seed, std::uint32_t what, int index) {
+    std::seed_seq mixed{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), what,
+                        static_cast<std::uint32_t>(index)};
+    random_.seed(mixed);
+  }
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
+  double normal() { return normal_(random_); }
+  Eigen::Vector2d normal_pair() {
+    const double x = normal();
+    return {x, normal()};
+  }
+
+ private:
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+};
 
 /// How a campaign is laid out. Displacements after 20 cycles from rest unless it says otherwise.
 enum class Design {
@@ -54,14 +78,6 @@ CoverageCampaign draw_campaign(Design design, NoiseLevel level, std::uint64_t se
 /// search.
 CoverageCampaign draw_random_runs(int runs, NoiseLevel level, std::uint64_t seed, int index);
 
-struct CoverageOptions {
-  int campaigns = 200;  ///< of each design and level
-  /// Of truths and noise: campaign k depends on design, level, seed and k alone.
-  std::uint64_t seed = 20210701;
-  int threads = 1;  ///< over campaigns
-  std::function<void(int done, int total)> progress;
-};
-
 /// Counts of one design, level and parameter.
 struct CoverageRow {
   Design design = Design::both_sweeps;
@@ -77,7 +93,7 @@ struct CoverageRow {
 };
 
 /// Fits with profiles and blind starts, as `fit` does. Rows in the order of kDesigns and kNoiseLevels.
-std::vector<CoverageRow> coverage(const CoverageOptions& options = {});
+std::vector<CoverageRow> coverage(const BenchOptions& options = {});
 
 /// What was quoted for a parameter: its interval, or its pieces where minima lie apart.
 std::vector<fit::Interval> quoted_pieces(const fit::ParameterEstimate& parameter);

@@ -1,7 +1,7 @@
 // Laws of the extreme cases; the extremes of friction, of its place against the drive a = A w^2, and of the
 // pulse: no width, full width, edges on the cycle's boundary and on each other, huge phases; and those of the
 // drive and of the start.
-#include "apps/bench/extremes.h"
+#include "apps/bench/model.h"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <string_view>
 
-#include "apps/bench/coverage.h"
 #include "fit/conditions.h"
 #include "fit/estimate.h"
 #include "model/parallel.h"
@@ -204,7 +203,9 @@ LaboratoryRow judged(const char* fault, const AlphaVErrors& errors, Dice dice) {
 
 }  // namespace
 
-std::vector<LaboratoryRow> laboratory(const LaboratoryOptions& options) {
+std::vector<LaboratoryRow> laboratory(const BenchOptions& options) {
+  constexpr std::uint64_t kSeed = 20261127;
+  const int campaigns = std::max(1, options.campaigns.value_or(options.quick ? 1 : 200) / 20);
   struct Work {
     std::size_t row;
     int campaign;
@@ -214,16 +215,15 @@ std::vector<LaboratoryRow> laboratory(const LaboratoryOptions& options) {
   for (const char* fault : kFaults)
     for (const AlphaVErrors& errors : kErrors) {
       if (options.quick && &errors != &kErrors[1]) continue;
-      for (int k = 0; k < options.campaigns; ++k) work.push_back({rows.size(), k});
+      for (int k = 0; k < campaigns; ++k) work.push_back({rows.size(), k});
       rows.push_back({fault, errors});
     }
   int done = 0;
   std::mutex mutex;
   parallel_for(work.size(), options.threads, [&](std::size_t i) {
     LaboratoryRow& row = rows[work[i].row];
-    const LaboratoryRow one =
-        judged(row.fault.c_str(), row.errors,
-               Dice(options.seed, static_cast<std::uint32_t>(work[i].row), work[i].campaign));
+    const LaboratoryRow one = judged(row.fault.c_str(), row.errors,
+                                     Dice(kSeed, static_cast<std::uint32_t>(work[i].row), work[i].campaign));
     const std::lock_guard lock(mutex);
     for (int LaboratoryRow::*count :
          {&LaboratoryRow::campaigns, &LaboratoryRow::use, &LaboratoryRow::care, &LaboratoryRow::intervals,

@@ -5,12 +5,10 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
-#include "apps/bench/dice.h"
+#include "apps/bench/coverage.h"
 #include "fit/problem.h"
 
 namespace tribotrack::bench {
@@ -55,14 +53,6 @@ void take_nothing_as_exact(fit::Problem& problem);
 inline constexpr std::array kFaults{"nothing",  "the usual", "tilt", "amplitude_ratio", "phase_shift",
                                     "stribeck", "mu2_width", "wear", "bad_run",         "run_scatter"};
 
-struct LaboratoryOptions {
-  int campaigns = 10;  ///< of each fault and noise level
-  std::uint64_t seed = 20261127;
-  bool quick = false;  ///< the middle noise level only
-  int threads = 1;
-  std::function<void(int done, int total)> progress;
-};
-
 /// Counts of one fault over one noise level.
 struct LaboratoryRow {
   std::string fault;
@@ -76,6 +66,7 @@ struct LaboratoryRow {
   int named = 0;     ///< of them, whose fault is what the values are quoted under, or the first explanation
 };
 
-std::vector<LaboratoryRow> laboratory(const LaboratoryOptions& options);
+/// At three noise levels, the middle one alone when quick.
+std::vector<LaboratoryRow> laboratory(const BenchOptions& options);
 
 }  // namespace tribotrack::bench

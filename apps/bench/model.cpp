@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include "apps/bench/extremes.h"
 #include "apps/bench/timing.h"
 #include "model/plan.h"
 #include "model/steady_orbit.h"
@@ -78,8 +77,7 @@ Method recipe(double tolerance, double max_step) {
           [=](const Scenario& s) { return paper_recipe(s, tolerance, max_step, kPatience); }};
 }
 
-std::vector<Method> methods_for(const Scene& scene, const ModelBenchOptions& options) {
-  const bool quick = options.quick;
+std::vector<Method> methods_for(const Scene& scene, bool quick, const std::vector<BenchPeer>& peers) {
   std::vector<double> tight{1e-6, 1e-16}, tolerances{1e-6};
   if (!quick) {
     tight = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15, 1e-16};
@@ -92,7 +90,7 @@ std::vector<Method> methods_for(const Scene& scene, const ModelBenchOptions& opt
   for (const double tolerance : tight) methods.push_back(ours(tolerance));
   for (const auto& [tolerance, step] : {std::pair(1e-6, 1e-4), {1e-6, 3e-4}, {1e-9, 1e-4}})
     if (!quick || tolerance > 1e-9) methods.push_back(recipe(tolerance, step));
-  for (const BenchPeer& peer : options.peers)
+  for (const BenchPeer& peer : peers)
     for (const double tolerance : tolerances)
       methods.push_back(
           {peer.name, fmt::format("tolerance {:g}", tolerance),
@@ -113,10 +111,9 @@ Eigen::Vector2d reference_of(const Scene& scene) {
   return integrate(scene.scenario, options).end().position;
 }
 
-std::vector<ComparedRow> bench_scene(const Scene& scene, const ModelBenchOptions& options) {
-  const bool quick = options.quick;
+std::vector<ComparedRow> bench_scene(const Scene& scene, bool quick, const std::vector<BenchPeer>& peers) {
   const Eigen::Vector2d reference = reference_of(scene);
-  const std::vector<Method> methods = methods_for(scene, options);
+  const std::vector<Method> methods = methods_for(scene, quick, peers);
   std::vector<std::function<void()>> competitors;
   std::vector<ComparedRow> rows;
   for (const Method& method : methods) {
@@ -169,7 +166,7 @@ double cycles_of(const Scenario& s) {
 
 }  // namespace
 
-Comparison bench_model(const ModelBenchOptions& options) {
+Comparison bench_model(const BenchOptions& options, const std::vector<BenchPeer>& peers) {
   Comparison comparison{"model",
                         "Error of the end point against run time",
                         "error of the end point",
@@ -181,14 +178,14 @@ Comparison bench_model(const ModelBenchOptions& options) {
                         1e-8};
   const auto scenes = scenes_of(options.quick);
   for (std::size_t k = 0; k < scenes.size(); ++k) {
-    const auto more = bench_scene(scenes[k], options);
+    const auto more = bench_scene(scenes[k], options.quick, peers);
     comparison.rows.insert(comparison.rows.end(), more.begin(), more.end());
     if (options.progress) options.progress(static_cast<int>(k) + 1, static_cast<int>(scenes.size()));
   }
   return comparison;
 }
 
-std::vector<ExtremeRow> bench_extremes(const ModelBenchOptions& options) {
+std::vector<ExtremeRow> bench_extremes(const BenchOptions& options) {
   const std::vector<ExtremeCase> cases = extreme_cases(options.quick);
   std::vector<ExtremeRow> rows;
   std::vector<std::function<void()>> competitors;
@@ -283,7 +280,7 @@ std::vector<Pair> all_pairs(double cycles) {
 
 }  // namespace
 
-std::vector<OmissionRow> bench_omissions(const ModelBenchOptions& options) {
+std::vector<OmissionRow> bench_omissions(const BenchOptions& options) {
   const std::vector<Pair> pairs = all_pairs(options.quick ? 16 : 20);
   const PairedTiming timing{options.quick ? 3 : 201, options.quick ? 0.01 : 0.2};
   std::vector<OmissionRow> rows;

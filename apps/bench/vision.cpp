@@ -1,4 +1,5 @@
-#include "apps/bench/vision.h"
+// Trackers over a grid of radii, textures of the platform and noises.
+#include "apps/bench/comparison.h"
 
 #include <fmt/format.h>
 #include <stdlib.h>
@@ -326,9 +327,17 @@ double seconds_of_children() {
   return seconds(used.ru_utime) + seconds(used.ru_stime);
 }
 
+/// A recording on which `track` is timed as a whole command.
+struct WholeCommands {
+  int width, height;
+  double radius;  ///< px
+  int frames;
+};
+
 /// `tribotrack track` from the start of its process to its end, and a peer that decodes and matches, in turns
 /// on one recording: medians of three.
-void time_whole_commands(const WholeCommands& whole, double texture, Comparison& comparison) {
+void time_whole_commands(const std::filesystem::path& program, const WholeCommands& whole, double texture,
+                         Comparison& comparison) {
   constexpr double kNoise = 2, kRate = 1000;
   const BenchScene scene(whole.radius, texture, whole.width, whole.height);
   std::string folder = (std::filesystem::temp_directory_path() / "tribotrack-bench-XXXXXX").string();
@@ -343,7 +352,7 @@ void time_whole_commands(const WholeCommands& whole, double texture, Comparison&
   const std::string command = fmt::format(
       "'{}' track {} --disc {:.4f},{:.4f},{:g} --marker {:.4f},{:.4f},{:g} --threads 1 -q -o {}/track.csv "
       ">/dev/null 2>&1",
-      whole.program.string(), file, part.x, part.y, part.radius, marker.x, marker.y, marker.radius, folder);
+      program.string(), file, part.x, part.y, part.radius, marker.x, marker.y, marker.radius, folder);
   Finding ours, peer;
   std::vector<double> of_ours, of_peer;
   for (int turn = 0; turn < 3; ++turn) {
@@ -368,17 +377,15 @@ void time_whole_commands(const WholeCommands& whole, double texture, Comparison&
 
 }  // namespace
 
-VisionBenchOptions quick_vision_options() {
-  VisionBenchOptions options;
-  options.radii = {10};
-  options.textures = {0, 10};
-  options.noises = {3};
-  options.frames = 250;
-  options.whole = {{}, 320, 200, 20, 24};
-  return options;
-}
-
-Comparison bench_vision(const VisionBenchOptions& options) {
+Comparison bench_vision(const BenchOptions& options) {
+  const bool quick = options.quick;
+  using List = std::vector<double>;
+  const List radii = quick ? List{10} : List{10, 30, 60, 150, 200};  // px
+  const List textures = quick ? List{0, 10} : List{0, 5, 10, 20};    // grey levels rms
+  const List noises = quick ? List{3} : List{1, 3, 8};               // grey levels, without that of rounding
+  const int count = quick ? 250 : 1050;                              // frames of a recording
+  // Of `track` as a whole command:
+  const WholeCommands whole = quick ? WholeCommands{320, 200, 20, 24} : WholeCommands{1280, 800, 60, 405};
   Comparison comparison{"vision",
                         "Error of a position against run time",
                         "rms error over the limit",
@@ -387,15 +394,15 @@ Comparison bench_vision(const VisionBenchOptions& options) {
                         "truth of analytically rendered pictures; the limit is the Cramer-Rao bound with "
                         "everything but the position known, the 1/12 of rounding included; a whole command's "
                         "time is ours from start to end of its process, the peer's decodes and matches"};
-  const int total = static_cast<int>(options.radii.size() * options.textures.size() * options.noises.size());
+  const int total = static_cast<int>(radii.size() * textures.size() * noises.size());
   int done = 0;
-  for (const double radius : options.radii)
-    for (const double texture : options.textures) {
+  for (const double radius : radii)
+    for (const double texture : textures) {
       const BenchScene scene(radius, texture);
-      const std::vector<Picture> exact = scene.render(options.frames);
-      for (const double noise : options.noises) {
+      const std::vector<Picture> exact = scene.render(count);
+      for (const double noise : noises) {
         std::vector<Picture> frames;
-        for (int k = 0; k < options.frames; ++k)
+        for (int k = 0; k < count; ++k)
           frames.push_back(recorded(exact[static_cast<std::size_t>(k) % exact.size()], noise, k));
         MemorySource source(std::move(frames), 1000);
         const double bound = scene.bound(noise);
@@ -407,8 +414,8 @@ Comparison bench_vision(const VisionBenchOptions& options) {
         if (options.progress) options.progress(++done, total);
       }
     }
-  if (!options.whole.program.empty())
-    for (const double texture : {0.0, 10.0}) time_whole_commands(options.whole, texture, comparison);
+  if (!options.program.empty())
+    for (const double texture : {0.0, 10.0}) time_whole_commands(options.program, whole, texture, comparison);
   return comparison;
 }
 

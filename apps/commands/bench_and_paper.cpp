@@ -3,13 +3,10 @@
 // again.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
-#include <optional>
 
 #include "apps/bench/comparison.h"
 #include "apps/bench/page.h"
-#include "apps/bench/vision.h"
 #include "apps/commands/command.h"
 #include "apps/files/run_folder.h"
 #include "apps/page/assets/embedded_assets.h"
@@ -27,51 +24,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct BenchOptions {
+struct BenchCall {
   std::string what, output;
-  bool quick = false, json = false;
-  std::optional<int> campaigns;
+  bool json = false;
+  bench::BenchOptions options;
 };
 
-/// Carries out a benchmark with its progress on the terminal.
-template <class Options, class Measure>
-auto measured(const std::string& name, Options options, const Context& context, Measure measure) {
-  Progress progress(name, context);
-  options.progress = [&](int done, int total) { progress.update(done, total); };
-  return measure(options);
-}
-
-void bench_of_model(const BenchOptions& asked, const Context& context, bench::BenchResults& results) {
-  bench::ModelBenchOptions options;
-  options.quick = asked.quick;
-  if (const std::string missing = bench::missing_library(); !missing.empty())
-    say(context.quiet,
-        fmt::format("bench model: this build was made without {}; its solvers are not compared", missing));
-  results.comparisons.push_back(measured("bench model", options, context, bench::bench_model));
-  results.extremes = measured("bench model, extremes", options, context, bench::bench_extremes);
-  results.omissions = measured("bench model, omissions", options, context, bench::bench_omissions);
-  if (const auto broken = std::ranges::count(results.extremes, false, &bench::ExtremeRow::held); broken > 0)
-    say(context.quiet, fmt::format("bench model: {} of the extreme cases break their law", broken));
-}
-
-void bench_of_coverage(const BenchOptions& asked, const Context& context, bench::BenchResults& results) {
-  bench::CoverageOptions options;
-  if (asked.quick) options.campaigns = 2;
-  if (asked.campaigns) options.campaigns = *asked.campaigns;
-  options.threads = threads_to_use(context);
-  results.coverage = measured("bench coverage", options, context, bench::coverage);
-}
-
-void bench_of_laboratory(const BenchOptions& asked, const Context& context, bench::BenchResults& results) {
-  bench::LaboratoryOptions options;
-  options.quick = asked.quick;
-  if (asked.quick) options.campaigns = 1;
-  if (asked.campaigns) options.campaigns = std::max(1, *asked.campaigns / 20);
-  options.threads = threads_to_use(context);
-  results.laboratory = measured("bench laboratory", options, context, bench::laboratory);
-}
-
-void write_results(const BenchOptions& asked, const Context& context, const bench::BenchResults& results,
+void write_results(const BenchCall& asked, const Context& context, const bench::BenchResults& results,
                    const bench::Circumstances& here) {
   const fs::path folder = asked.output;
   const Json json = json_of(results, here);
@@ -80,7 +39,7 @@ void write_results(const BenchOptions& asked, const Context& context, const benc
   };
   for (const bench::Table& table : tables_of(results)) {
     const fs::path csv = folder / (table.name + ".csv");
-    write_result(csv, table.csv(), {"bench", {}, {{"what", asked.what}, {"quick", asked.quick}}});
+    write_result(csv, table.csv(), {"bench", {}, {{"what", asked.what}, {"quick", asked.options.quick}}});
     told(csv);
   }
   say(context.quiet, "Who wins where");
@@ -94,25 +53,34 @@ void write_results(const BenchOptions& asked, const Context& context, const benc
   if (asked.json) print_text(text_of(json));
 }
 
-void run_bench(const BenchOptions& asked, const Context& context) {
+void run_bench(const BenchCall& asked, const Context& context) {
   create_folder(asked.output);
   require_writable({{fs::path(asked.output) / "bench.json"}, {fs::path(asked.output) / "bench.html"}});
   const bench::Circumstances here = bench::circumstances_here();
   bench::BenchResults results;
   const auto wanted = [&](const char* what) { return asked.what == "all" || asked.what == what; };
-  if (wanted("model")) bench_of_model(asked, context, results);
-  if (wanted("vision")) {
-    auto options = asked.quick ? bench::quick_vision_options() : bench::VisionBenchOptions();
-    options.whole.program = fs::read_symlink("/proc/self/exe");
-    results.comparisons.push_back(measured("bench vision", options, context, bench::bench_vision));
+  const auto measured = [&](const char* name, const auto& measure) {
+    bench::BenchOptions options = asked.options;
+    options.threads = threads_to_use(context);
+    options.program = fs::read_symlink("/proc/self/exe");
+    Progress progress(name, context);
+    options.progress = [&](int done, int total) { progress.update(done, total); };
+    return measure(options);
+  };
+  if (wanted("model")) {
+    if (const std::string missing = bench::missing_library(); !missing.empty())
+      say(context.quiet,
+          fmt::format("bench model: this build was made without {}; its solvers are not compared", missing));
+    results.comparisons.push_back(measured(
+        "bench model", [](const bench::BenchOptions& options) { return bench::bench_model(options); }));
+    results.extremes = measured("bench model, extremes", bench::bench_extremes);
+    results.omissions = measured("bench model, omissions", bench::bench_omissions);
   }
-  if (wanted("fit")) {
-    bench::FitBenchOptions options;
-    options.quick = asked.quick;
-    results.comparisons.push_back(measured("bench fit", options, context, bench::bench_fit));
-  }
-  if (wanted("fit") || wanted("coverage")) bench_of_coverage(asked, context, results);
-  if (wanted("fit") || wanted("laboratory")) bench_of_laboratory(asked, context, results);
+  if (wanted("vision")) results.comparisons.push_back(measured("bench vision", bench::bench_vision));
+  if (wanted("fit")) results.comparisons.push_back(measured("bench fit", bench::bench_fit));
+  if (wanted("fit") || wanted("coverage")) results.coverage = measured("bench coverage", bench::coverage);
+  if (wanted("fit") || wanted("laboratory"))
+    results.laboratory = measured("bench laboratory", bench::laboratory);
   write_results(asked, context, results, here);
 }
 
@@ -125,7 +93,7 @@ std::string peers_of_this_build() {
 }  // namespace
 
 void add_bench(CLI::App& app, Context& context) {
-  auto options = std::make_shared<BenchOptions>();
+  auto options = std::make_shared<BenchCall>();
   CLI::App& command = *app.add_subcommand(
       "bench",
       "Measure error against run time, ours and others', the stiff and extreme cases, what "
@@ -148,11 +116,11 @@ void add_bench(CLI::App& app, Context& context) {
              "references were made, solvers this build lacks)")
       ->required();
   command
-      .add_option("--campaigns", options->campaigns,
+      .add_option("--campaigns", options->options.campaigns,
                   "coverage: simulated campaigns of each design and noise level (default 200): 2000 tell a "
                   "coverage to 1 %; laboratory: a twentieth, of each fault")
       ->check(whole_number(1, 1'000'000));
-  command.add_flag("--quick", options->quick,
+  command.add_flag("--quick", options->options.quick,
                    "Few and short cases, seconds in all: a check that it works, not a measurement");
   command.add_flag("--json", options->json, "Print bench.json instead of the names of the files");
   add_common(

@@ -14,9 +14,7 @@ using namespace fit;
 namespace {
 
 TEST(FitBench, QuickRunComparesTheMethodsAtOneMinimum) {
-  FitBenchOptions options;
-  options.quick = true;
-  const auto rows = bench_fit(options).rows;
+  const auto rows = bench_fit({.quick = true}).rows;
   ASSERT_EQ(rows.size(), 5u);
   EXPECT_EQ(rows[0].method, "tribotrack");
   EXPECT_EQ(rows[0].at("off_minimum_sd"), 0);

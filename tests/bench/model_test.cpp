@@ -8,16 +8,10 @@
 namespace tribotrack::bench {
 namespace {
 
-ModelBenchOptions quick() {
-  ModelBenchOptions options;
-  options.quick = true;
-  return options;
-}
+const BenchOptions kQuick{.quick = true};
 
 TEST(ModelBench, QuickRunComparesEveryMethodOnEveryScene) {
-  ModelBenchOptions options = quick();
-  options.peers.resize(1);
-  const Comparison comparison = bench_model(options);
+  const Comparison comparison = bench_model(kQuick, {library_peers().front()});
   std::map<std::string, std::set<std::string>> methods;
   for (const ComparedRow& row : comparison.rows) {
     methods[row.scene].insert(row.method);
@@ -35,7 +29,7 @@ TEST(ModelBench, QuickRunComparesEveryMethodOnEveryScene) {
 }
 
 TEST(ModelBench, EveryExtremeCaseIsFiniteAndKeepsItsLaw) {
-  const auto rows = bench_extremes(quick());
+  const auto rows = bench_extremes(kQuick);
   EXPECT_GE(rows.size(), 136u);
   std::set<std::string> names;
   for (const ExtremeRow& row : rows) {
@@ -49,7 +43,7 @@ TEST(ModelBench, EveryExtremeCaseIsFiniteAndKeepsItsLaw) {
 }
 
 TEST(ModelBench, OmissionsLeaveTheMotionAsItIs) {
-  const auto rows = bench_omissions(quick());
+  const auto rows = bench_omissions(kQuick);
   EXPECT_GE(rows.size(), 12u);
   for (const OmissionRow& row : rows) {
     EXPECT_GT(row.time_with, 0) << row.omission;

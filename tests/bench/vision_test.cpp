@@ -1,5 +1,5 @@
 // How close to the physical limit the tracker is, and how true its standard deviations.
-#include "apps/bench/vision.h"
+#include "apps/bench/comparison.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 TEST(VisionBench, QuickRunComparesEveryMethodOnBothGrounds) {
   int last = 0;
-  VisionBenchOptions options = quick_vision_options();
+  BenchOptions options{.quick = true};
   options.progress = [&](int done, int total) {
     EXPECT_EQ(done, ++last);
     EXPECT_EQ(total, 2);

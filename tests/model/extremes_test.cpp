@@ -1,4 +1,4 @@
-#include "apps/bench/extremes.h"
+#include "apps/bench/model.h"
 
 #include <gtest/gtest.h>
 
