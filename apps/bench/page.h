@@ -11,6 +11,7 @@
 #include "apps/bench/laboratory.h"
 #include "apps/bench/model.h"
 #include "apps/figures/figure.h"
+#include "apps/text/csv_table.h"
 #include "apps/text/json.h"
 
 namespace tribotrack::bench {
@@ -29,7 +30,7 @@ struct Table {
   /// An object each: cells by the names of their columns.
   std::vector<apps::Json> rows;
 
-  std::string csv() const;
+  std::string csv() const { return apps::csv_of(rows); }
   /// Headings are the names of the columns, numbers have four digits.
   std::string html() const;
 };

@@ -1,13 +1,10 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "apps/bench/page.h"
 #include "apps/page/text.h"
-#include "apps/text/csv_table.h"
-#include "apps/text/number_text.h"
 
 namespace tribotrack::bench {
 
@@ -15,17 +12,11 @@ using apps::Json;
 
 namespace {
 
-std::string exact_text(const Json& value) {
-  if (value.is_string()) return value.get<std::string>();
-  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
-  return apps::compact(value.get<double>());
-}
-
 /// On the page; "-" for what is not finite.
 std::string cell_html(const Json& value) {
-  if (!value.is_number()) return apps::cell(apps::sentence_html(exact_text(value)));
+  if (!value.is_number()) return apps::cell(apps::sentence_html(apps::cell_text(value)));
   const auto number = value.get<double>();
-  return fmt::format("<td class=\"n\" data-v=\"{}\">{}</td>", exact_text(value),
+  return fmt::format("<td class=\"n\" data-v=\"{}\">{}</td>", apps::cell_text(value),
                      std::isfinite(number) ? fmt::format("{:.4g}", number) : "-");
 }
 
@@ -37,20 +28,6 @@ std::vector<Json> rows_of(const std::vector<Row>& rows, const RowOf& row_of) {
 }
 
 }  // namespace
-
-std::string Table::csv() const {
-  std::string text;
-  for (const Json& row : rows) {
-    std::vector<std::string> names, cells;
-    for (const auto& [column, value] : row.items()) {
-      names.push_back(column);
-      cells.push_back(apps::csv_cell(exact_text(value)));
-    }
-    if (text.empty()) text = fmt::format("{}\n", fmt::join(names, ","));
-    text += fmt::format("{}\n", fmt::join(cells, ","));
-  }
-  return text;
-}
 
 std::string Table::html() const {
   std::vector<std::string> headings;

@@ -1,6 +1,7 @@
 #include "apps/text/csv_table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -20,6 +21,7 @@
 #include "apps/program/errors.h"
 #include "apps/text/angle.h"
 #include "apps/text/input_file.h"
+#include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 
@@ -84,6 +86,26 @@ std::string csv_cell(const std::string& text) {
   const bool comment = text.find_first_of("#%!/") == 0;  // it would be read as one
   if (!comment && text.find_first_of(",\"\n\r") == std::string::npos) return text;
   return "\"" + boost::replace_all_copy(text, "\"", "\"\"") + "\"";
+}
+
+std::string cell_text(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  return exact(value.get<double>());
+}
+
+std::string csv_of(const std::vector<Json>& rows) {
+  std::string csv;
+  for (const Json& row : rows) {
+    std::vector<std::string> names, cells;
+    for (const auto& [name, value] : row.items()) {
+      names.push_back(name);
+      cells.push_back(csv_cell(cell_text(value)));
+    }
+    if (csv.empty()) csv = fmt::format("{}\n", fmt::join(names, ","));
+    csv += fmt::format("{}\n", fmt::join(cells, ","));
+  }
+  return csv;
 }
 
 namespace {

@@ -8,10 +8,18 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/text/json.h"
+
 namespace tribotrack::apps {
 
 /// Text as a cell of a CSV file (RFC 4180): in quotes only where it needs them, or would begin a comment.
 std::string csv_cell(const std::string& text);
+
+/// A value in a table: a text, "yes" or "no", a number with all its digits; empty for NaN.
+std::string cell_text(const Json& value);
+
+/// Rows, objects of the same keys, as CSV; the keys are the header.
+std::string csv_of(const std::vector<Json>& rows);
 
 // The heading of a table's column as people write it: "alpha_sd_deg", "v (mm/s)", "sigma x [px]".
 

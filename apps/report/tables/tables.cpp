@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <vector>
 
 #include "apps/page/text.h"
@@ -14,65 +13,48 @@
 namespace tribotrack::apps {
 namespace {
 
-/// One column of runs.csv: its name and a run's cell.
-struct Column {
-  std::string name;
-  std::function<std::string(const ReportRun&)> cell;
-};
-
-std::vector<Column> columns() {
-  using Run = ReportRun;
-  using Number = fit::Residual;
-  std::vector<Column> all;
-  const auto cell = [&](const std::string& name, auto text) { all.push_back({name, text}); };
-  const auto number = [&](const std::string& name, auto value) {
-    cell(name, [value](const Run& run) { return exact(std::invoke(value, run)); });
+/// A row of runs.csv.
+Json row_of(const ReportRun& run, std::size_t number) {
+  using Residual = fit::Residual;
+  Json row = {{"number", number},
+              {"name", run.name},
+              {"kind", run.free_slide ? "free_slide" : "displacement"},
+              {"video", run.video},
+              {"phi_rad", run.phi_rad},
+              {"dtau_rad", run.dtau_rad}};
+  const auto add_measured = [&](const std::string& key) {  // of measurements/NAME.json
+    row[key] = run.value(key).value;
+    row[key + "_sd"] = run.value(key).sd;
   };
-  const auto measured = [&](const std::string& key) {  // of measurements/NAME.json
-    number(key, [key](const Run& run) { return run.value(key).value; });
-    number(key + "_sd", [key](const Run& run) { return run.value(key).sd; });
-  };
-  const auto of_residual = [&](const std::string& name, const std::string& key, double Number::*member) {
-    number(name, [key, member](const Run& run) { return run.residual(key.c_str(), member); });
-  };
-  cell("name", [](const Run& run) { return csv_cell(run.name); });
-  cell("kind", [](const Run& run) { return run.free_slide ? "free_slide" : "displacement"; });
-  cell("video", [](const Run& run) { return csv_cell(run.video); });
-  number("phi_rad", &Run::phi_rad);
-  number("dtau_rad", &Run::dtau_rad);
-  measured("alpha_rad");
-  of_residual("alpha_model_rad", "alpha_rad", &Number::modelled);
-  measured("v_mm_s");
-  of_residual("v_model_mm_s", "v_mm_s", &Number::modelled);
+  add_measured("alpha_rad");
+  row["alpha_model_rad"] = run.modelled("alpha_rad");
+  add_measured("v_mm_s");
+  row["v_model_mm_s"] = run.modelled("v_mm_s");
   for (const std::string axis : {"dx", "dy"}) {
-    of_residual(axis + "_mm", axis + "_mm", &Number::measured);
-    of_residual(axis + "_mm_sd", axis + "_mm", &Number::sd);
-    of_residual(axis + "_model_mm", axis + "_mm", &Number::modelled);
-    of_residual(axis + "_residual_sd", axis + "_mm", &Number::standardised);
+    const std::string key = axis + "_mm";
+    row[key] = run.residual(key.c_str(), &Residual::measured);
+    row[key + "_sd"] = run.residual(key.c_str(), &Residual::sd);
+    row[axis + "_model_mm"] = run.modelled(key.c_str());
+    row[axis + "_residual_sd"] = run.residual(key.c_str(), &Residual::standardised);
   }
-  cell("cycles", [](const Run& run) { return run.cycles > 0 ? std::to_string(run.cycles) : ""; });
-  for (const char* key : {"amplitude_mm", "angular_frequency_rad_s", "phase_shift_rad"}) measured(key);
-  cell("frames_ok", [](const Run& run) { return std::to_string(run.frames_ok()); });
-  cell("frames_lost", [](const Run& run) { return std::to_string(run.track.lost); });
-  cell("frames_edge", [](const Run& run) { return std::to_string(run.track.edge); });
-  cell("frames_repeated", [](const Run& run) { return std::to_string(run.track.repeats); });
-  number("frame_rate_hz", [](const Run& run) { return run.track.frame_rate_hz.value_or(no_value); });
-  number("sigma_px", &Run::sigma_px);
-  cell("failure", [](const Run& run) { return csv_cell(run.failure); });
-  return all;
+  row["cycles"] = run.cycles > 0 ? run.cycles : no_value;
+  for (const char* key : {"amplitude_mm", "angular_frequency_rad_s", "phase_shift_rad"}) add_measured(key);
+  row["frames_ok"] = run.frames_ok();
+  row["frames_lost"] = run.track.lost;
+  row["frames_edge"] = run.track.edge;
+  row["frames_repeated"] = run.track.repeats;
+  row["frame_rate_hz"] = run.track.frame_rate_hz.value_or(no_value);
+  row["sigma_px"] = run.sigma_px;
+  row["failure"] = run.failure;
+  return row;
 }
 
 }  // namespace
 
 std::string runs_csv(const ReportData& data) {
-  const std::vector<Column> all = columns();
-  std::string csv = "number";
-  for (const Column& column : all) csv.append(",").append(column.name);
-  for (std::size_t i = 0; i < data.runs.size(); ++i) {
-    csv += fmt::format("\n{}", i + 1);
-    for (const Column& column : all) csv.append(",").append(column.cell(data.runs[i]));
-  }
-  return csv + "\n";
+  std::vector<Json> rows;
+  for (const ReportRun& run : data.runs) rows.push_back(row_of(run, rows.size() + 1));
+  return csv_of(rows);
 }
 
 std::string parameters_csv(const ReportData& data) {
