@@ -138,8 +138,7 @@ std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Run
   SharedScale shared;
   const double common = std::hypot(length_error(campaign), of_rim);
   shared.pooled = vision::pooled_scale(scales, common);
-  shared.used = shared.pooled.one_scale;
-  if (!shared.used) {
+  if (!shared.pooled.one_scale) {
     shared.finding = fmt::format(
         "{} is not the same in all {} recordings (they scatter by {:.2g} %, chi2 {:.3g}): did the camera "
         "move? each keeps its own scale",
@@ -168,14 +167,14 @@ std::optional<SharedScale> share_scale(const Campaign& campaign, std::vector<Run
 
 void add_to(Json& fit, const std::optional<SharedScale>& shared) {
   if (!shared) return;
-  fit["shared_scale"] = {{"used", shared->used},
+  fit["shared_scale"] = {{"used", shared->pooled.one_scale},
                          {"runs", shared->pooled.count},
                          {"mm_per_px", shared->pooled.scale.mm_per_px},
                          {"mm_per_px_sd", shared->pooled.scale.sd},
                          {"scatter_mm_per_px", shared->pooled.scatter},
                          {"chi2", shared->pooled.chi2},
                          {"finding", shared->finding}};
-  if (!shared->used) fit["warnings"].push_back(shared->finding);
+  if (!shared->pooled.one_scale) fit["warnings"].push_back(shared->finding);
 }
 
 namespace {
@@ -187,9 +186,12 @@ double way_of(const fit::TrackTable& track) {
   return way;
 }
 
-std::vector<std::string> no_slides(const fit::Problem& problem, const fit::FitResult& result) {
+}  // namespace
+
+std::vector<std::string> suspicious_runs(const fit::Problem& problem, const fit::FitResult& result) {
   constexpr double kShare = 0.1;
   std::vector<std::string> sentences;
+  if (result.usable()) return sentences;
   for (const fit::RunResult& fitted : result.runs) {
     const auto run = std::ranges::find(problem.trajectory_runs, fitted.name, &fit::TrajectoryRun::name);
     if (run == problem.trajectory_runs.end() || !run->free_slide ||
@@ -201,12 +203,6 @@ std::vector<std::string> no_slides(const fit::Problem& problem, const fit::FitRe
                     fitted.name, 1e3 * fitted.rms_m));
   }
   return sentences;
-}
-
-}  // namespace
-
-std::vector<std::string> suspicious_runs(const fit::Problem& problem, const fit::FitResult& result) {
-  return result.usable() ? std::vector<std::string>() : no_slides(problem, result);
 }
 
 }  // namespace tribotrack::apps

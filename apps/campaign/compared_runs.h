@@ -23,9 +23,8 @@ inline constexpr const char* kScaledByTag = "tag";
 
 /// What became of the runs' own scales.
 struct SharedScale {
-  vision::PooledScale pooled;
-  bool used = false;
-  std::string finding;  ///< one sentence
+  vision::PooledScale pooled;  ///< used where it is one_scale
+  std::string finding;         ///< one sentence
 };
 
 /// A run whose part is of another size than the others' has failed (three or more runs, with the platform's

@@ -22,6 +22,8 @@
 
 namespace tribotrack::apps {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 void carry_out(CampaignRunner& runner) {
@@ -91,8 +93,6 @@ void run_part_by_part(const Campaign& campaign, const RunnerOptions& options, bo
   if (options.json) return print_text(text_of({{"parts", fits}}));
   print("\nparts  {}\n", table.string());
 }
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -178,7 +178,9 @@ Track CampaignRunner::track_of(const CampaignRun& given, const FramesDone& frame
   recording = tracked(std::move(recording), csv);
   log.frames_per_second = static_cast<double>(recording.result.summary.frames) / seconds_since(begun);
   for (const auto& stage : recording.result.stage_times) log.stage_seconds[stage.name] = stage.seconds;
-  write_pictures(given, recording);  // first: the track's meta file marks the run as done
+  // Pictures first: the track's meta file marks the run as done.
+  write_first_frame(folder_.first_frame(given.name), recording);
+  write_overlay_file(folder_.overlay(given.name), recording);
   const Input written = write_track(csv, recording);
   Track track = track_in(recording);
   track.inputs = {written};
@@ -191,11 +193,6 @@ std::optional<std::string> CampaignRunner::why_outdated(const CampaignRun& run,
   return why || fs::exists(folder_.first_frame(run.name))
              ? why
              : std::optional<std::string>("its pictures are to be drawn");
-}
-
-void CampaignRunner::write_pictures(const CampaignRun& run, const Recording& recording) const {
-  write_first_frame(folder_.first_frame(run.name), recording);
-  write_overlay_file(folder_.overlay(run.name), recording);
 }
 
 void CampaignRunner::name_failed(const std::vector<Run>& runs) const {

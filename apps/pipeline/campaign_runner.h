@@ -53,7 +53,6 @@ class CampaignRunner {
  private:
   Track track_of(const CampaignRun& given, const FramesDone& frames_done, Run::Log& log) const;
   std::optional<std::string> why_outdated(const CampaignRun& run, const Recording& recording) const;
-  void write_pictures(const CampaignRun& run, const Recording& recording) const;
   void name_failed(const std::vector<Run>& runs) const;
 
   const RunnerOptions options_;

@@ -153,7 +153,7 @@ FittedCampaign measured(const Campaign& campaign, const LineOfWork& line, const 
   FittedCampaign fitted;
   fitted.runs = tracked_and_measured(campaign, line, context);
   fitted.scale = share_scale(campaign, fitted.runs);
-  if (fitted.scale && fitted.scale->used)
+  if (fitted.scale && fitted.scale->pooled.one_scale)
     for (const Run& run : fitted.runs)
       if (run.failure.empty()) write_measurement(line.measurements, run);
   line.name_failed(fitted.runs);
