@@ -265,9 +265,11 @@ std::vector<float> under_tiles(const Picture& mask, const std::vector<TilePlace>
   return out;
 }
 
-std::size_t spread_outliers(std::span<const TilePlace> places, std::vector<unsigned char>& outliers) {
+namespace {
+
+void spread_outliers(std::span<const TilePlace> places, std::vector<unsigned char>& outliers) {
   constexpr int kEdge = 3;  // px about a covering object that are half covered
-  if (std::ranges::count(outliers, 0) == std::ssize(outliers)) return 0;
+  if (std::ranges::count(outliers, 0) == std::ssize(outliers)) return;
   const auto columns = std::ranges::minmax(places, {}, &TilePlace::x);
   const auto rows = std::ranges::minmax(places, {}, &TilePlace::y);
   const int left = columns.min.x - kEdge, top = rows.min.y - kEdge;
@@ -286,8 +288,20 @@ std::size_t spread_outliers(std::span<const TilePlace> places, std::vector<unsig
   cv::circle(disc, {kEdge, kEdge}, kEdge, cv::Scalar(1), cv::FILLED);
   cv::dilate(together, together, disc);
   map |= together;
+  each([](unsigned char& outlier, unsigned char place) { outlier = place; });
+}
+
+}  // namespace
+
+std::size_t leave_out(std::span<const TilePlace> places, std::vector<unsigned char> outliers, bool spread,
+                      std::span<float> weights) {
+  if (spread) spread_outliers(places, outliers);
   std::size_t count = 0;
-  each([&](unsigned char& outlier, unsigned char place) { count += outlier = place; });
+  for (std::size_t i = 0; i < outliers.size(); ++i) {
+    if (outliers[i] == 0 || !(weights[i] > 0)) continue;
+    weights[i] = 0;
+    ++count;
+  }
   return count;
 }
 

@@ -84,9 +84,11 @@ std::vector<float> under_tiles(const Picture& mask, const std::vector<TilePlace>
 // Outlier pixels: an object that covers the part also covers half of what lies beside the pixels it fills,
 // where the optics blur its edge.
 
-/// `outliers` holds one value per pixel of the tiles, not 0 where the picture shows something else. Where
-/// such pixels lie together (an outlier with two more among its eight neighbours) all within 3 px of them
-/// become outliers as well; one alone is a speck, or noise. Returns how many there are then.
-std::size_t spread_outliers(std::span<const TilePlace> places, std::vector<unsigned char>& outliers);
+/// Sets the weights of outliers to 0, and says how many counted before. `outliers` holds one value per pixel
+/// of the tiles, not 0 where the picture shows something else. Where such pixels lie together (an outlier
+/// with two more among its eight neighbours) all within 3 px of them become outliers as well, if `spread`;
+/// one alone is a speck, or noise.
+std::size_t leave_out(std::span<const TilePlace> places, std::vector<unsigned char> outliers, bool spread,
+                      std::span<float> weights);
 
 }  // namespace tribotrack::vision

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/parallel.h"
@@ -143,15 +144,8 @@ std::size_t GroundRegistration::trim_block(const Block& block, const Fit& fit) {
     const float r = arrays_.slope_theta[i] - gain * arrays_.value[i] - offset;
     outliers[i - first] = arrays_.weight[i] * r * r > limit;
   }
-  if (std::ranges::find(outliers, 1) == outliers.end()) return 0;
-  spread_outliers(std::span(places_).subspan(block.first, block.end - block.first), outliers);
-  std::size_t count = 0;
-  for (std::size_t i = first; i < end; ++i)
-    if (outliers[i - first] != 0 && arrays_.weight[i] > 0) {
-      arrays_.weight[i] = 0;
-      ++count;
-    }
-  return count;
+  return leave_out(std::span(places_).subspan(block.first, block.end - block.first), std::move(outliers),
+                   true, std::span(arrays_.weight).subspan(first, end - first));
 }
 
 void GroundRegistration::note_scatter(const Fit& fit) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "vision/kernels/median.h"
 
@@ -31,7 +32,6 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   constexpr double kTolerance = 1e-4;  ///< px
   bool trimmed = false;
   std::size_t trimmed_count = 0;
-  std::optional<ForceSums> last;  // where they are those of the pose found
   const auto sums_now = [&] {
     return force_sums(arrays_, static_cast<float>(gain), static_cast<float>(offset));
   };
@@ -74,13 +74,11 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
                          std::abs(fraction.theta - formed.theta) * pattern_.reach() > 0.5;
     if (re_form || !settled) sample_template(fraction, re_form);
     if (settled && !trimmed) {
-      last = sums_now();
-      trimmed_count = trim(*last, gain, offset, noise_sd);
+      trimmed_count = trim(sums_now(), gain, offset, noise_sd);
       trimmed = true;
       if (trimmed_count > 0) {
         factor.compute(normal = normal_matrix());
         settled = false;
-        last.reset();
       }
     }
     if (settled) {
@@ -98,7 +96,7 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   out.ncc = correlation_sums(arrays_, base_weight_).correlation();
   if (!out.converged) return out;
 
-  const ForceSums sums = last ? *last : sums_now();
+  const ForceSums sums = sums_now();
   out.trimmed_share = static_cast<double>(trimmed_count) / pixels_;
   out.residual_rms = std::sqrt(sums.squares / std::max(1.0, sums.weight - columns()));
 
@@ -155,13 +153,7 @@ std::size_t TemplateRegistration::trim(const ForceSums& sums, double gain, doubl
   std::vector<unsigned char> outliers(mask_.size());
   for (std::size_t i = 0; i < mask_.size(); ++i) outliers[i] = static_cast<double>(residual[i]) > limit;
   // A texture that has turned does not match anywhere until its angle is found.
-  if (!options_.rotation) spread_outliers(places_, outliers);
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < mask_.size(); ++i) {
-    if (outliers[i] == 0 || !(base_weight_[i] > 0)) continue;
-    arrays_.weight[i] = 0;
-    ++count;
-  }
+  const std::size_t count = leave_out(places_, std::move(outliers), !options_.rotation, arrays_.weight);
   constexpr double kMaxTrim = 0.4;  ///< a larger share of outliers: it is not the template
   if (static_cast<double>(count) > kMaxTrim * static_cast<double>(sizes.size())) {
     arrays_.weight = base_weight_;

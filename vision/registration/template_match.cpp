@@ -18,14 +18,8 @@ Picture averaged(const Picture& picture, int n) {
 
 /// Masked ZNCC at every position, as three plain correlations.
 cv::Mat zncc_map(const Picture& picture, const MaskedTemplate& pattern) {
-  double weight = 0;
-  double mean = 0;
-  for (std::size_t i = 0; i < pattern.levels.levels().size(); ++i) {
-    weight += pattern.weights.levels()[i];
-    mean += pattern.weights.levels()[i] * pattern.levels.levels()[i];
-  }
-  mean /= weight;
   const cv::Mat w = matrix_of(pattern.weights);
+  const double weight = cv::sum(w)[0], mean = w.dot(matrix_of(pattern.levels)) / weight;
   cv::Mat shape = (matrix_of(pattern.levels) - mean).mul(w);
   const double norm = std::sqrt(std::max(1e-12, shape.dot(matrix_of(pattern.levels) - mean)));
   cv::Mat levels = matrix_of(picture) - cv::mean(matrix_of(picture))[0];

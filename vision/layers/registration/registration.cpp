@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "vision/kernels/dense.h"
 #include "vision/kernels/median.h"
@@ -191,14 +192,7 @@ std::size_t LayeredRegistration::trim() {
     const float r = residual(i);
     strange[i] = arrays_.weight[i] * r * r > static_cast<float>(kTrim * kTrim) * usual;
   }
-  spread_outliers(places_, strange);
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < counts_.size(); ++i) {
-    if (strange[i] == 0 || counts_[i] == 0) continue;
-    counts_[i] = 0;
-    ++count;
-  }
-  return count;
+  return leave_out(places_, std::move(strange), true, counts_);
 }
 
 std::optional<LayeredFix> LayeredRegistration::refine(const Picture& picture, int x, int y,
