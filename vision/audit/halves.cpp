@@ -16,19 +16,6 @@ namespace {
 constexpr double kLeastShare = 0.01;
 constexpr double kTileSide = 8;
 
-bool is_left(const Point& place) {
-  return place.x < 0;
-}
-
-bool is_above(const Point& place) {
-  return place.y < 0;
-}
-
-bool is_dark(const Point& place) {
-  const double parity = std::floor(place.x / kTileSide) + std::floor(place.y / kTileSide);
-  return std::fmod(std::abs(parity), 2) == 1;
-}
-
 }  // namespace
 
 std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const TileSums::Matrix& normal,
@@ -52,9 +39,12 @@ std::optional<HalvesError> halves_error(std::span<const TileSums> tiles, const T
     const Eigen::Vector2d white = whitening.matrixL().solve(score.head<2>());
     return colouring.matrixL() * white;
   };
-  const auto left_right = disagreement(is_left);
-  const auto top_bottom = disagreement(is_above);
-  const auto checkerboard = disagreement(is_dark);
+  const auto left_right = disagreement([](const Point& place) { return place.x < 0; });
+  const auto top_bottom = disagreement([](const Point& place) { return place.y < 0; });
+  const auto checkerboard = disagreement([](const Point& place) {
+    const double parity = std::floor(place.x / kTileSide) + std::floor(place.y / kTileSide);
+    return std::fmod(std::abs(parity), 2) == 1;
+  });
   if (!left_right || !top_bottom || !checkerboard) return std::nullopt;
   return HalvesError{*left_right, *top_bottom, *checkerboard};
 }

@@ -37,10 +37,7 @@ class EdgeTracking {
 
   EdgeTrack run() {
     choose_frames();
-    if (learning_.size() < kFewest) {
-      out_.why_not = kTooFew;
-      return std::move(out_);
-    }
+    if (learning_.size() < kFewest) return std::move(out_);
     for (int round = 0; round < options_.rounds; ++round) {
       sample_learning_frames(round < kSlopeRounds);
       const std::vector<RaySamples> bands =
@@ -281,18 +278,16 @@ EdgeTrack track_outer(FrameSource& source, std::vector<FirstPassFrame> frames, E
 }
 
 /// Whether pictures that call themselves near the limit drift all the same, by the first and the last frames.
-bool drifts(FrameSource& source, const Track& track, const std::vector<FirstPassFrame>& frames,
-            const std::vector<std::size_t>& places, EdgeOptions options, double stated) {
+bool drifts(FrameSource& source, const Track& track, std::vector<FirstPassFrame> frames,
+            std::vector<std::size_t> places, EdgeOptions options, double stated) {
   if (frames.size() <= 2 * static_cast<std::size_t>(kAtEnds)) return true;
-  std::vector<FirstPassFrame> ends(frames.begin(), frames.begin() + kAtEnds);
-  std::vector<std::size_t> of_ends(places.begin(), places.begin() + kAtEnds);
-  ends.insert(ends.end(), frames.end() - kAtEnds, frames.end());
-  of_ends.insert(of_ends.end(), places.end() - kAtEnds, places.end());
+  frames.erase(frames.begin() + kAtEnds, frames.end() - kAtEnds);
+  places.erase(places.begin() + kAtEnds, places.end() - kAtEnds);
   options.rounds = 2;
   options.quick = true;
-  const EdgeTrack edge = track_edge(source, ends, options);
+  const EdgeTrack edge = track_edge(source, frames, options);
   if (edge.fixes.empty()) return false;
-  const Remeasurement change = compare(track, of_ends, edge.fixes);
+  const Remeasurement change = compare(track, places, edge.fixes);
   return change.sd < errors_of_pictures(change, stated);
 }
 
@@ -328,7 +323,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   const EdgeTrack edge =
       outer.measured ? track_outer(source, frames, asked, outer) : track_edge(source, frames, asked);
   if (edge.fixes.empty()) {
-    stage.reason = edge.why_not;
+    stage.reason = kTooFew;
     return out;
   }
   const double beyond = edge.radius - asked.radius;

@@ -39,7 +39,6 @@ struct EdgeTrack {
   /// One per frame handed in, nullopt where not all of the rim lies in the picture; slow errors are in the
   /// covariances. Empty if nothing could be learnt.
   std::vector<std::optional<Remeasured>> fixes;
-  std::string why_not;
   std::size_t learnt_from = 0;  ///< frames
   RimOptics optics;
   double radius = 0;       ///< of the edge, px

@@ -159,20 +159,6 @@ constexpr double kInner = 0.6, kOuter = 1.5;  ///< of the radius: where the rim 
 constexpr double kHalfStep = 1.5;             ///< px: on both sides of an edge
 constexpr int kRays = 72;
 
-/// Place of the steepest edge that goes down outwards (sign 1) or up (-1), with how much it does.
-std::pair<double, double> edge_along(const Picture& picture, const Circle& disc, const Point& to,
-                                     double sign) {
-  double place = 0, largest = 0;
-  for (double r = kInner * disc.radius; r <= kOuter * disc.radius; r += 0.25) {
-    const auto level = [&](double at) { return level_at(picture, disc.x + at * to.x, disc.y + at * to.y); };
-    if (const double step = sign * (level(r - kHalfStep) - level(r + kHalfStep)); step > largest) {
-      largest = step;
-      place = r;
-    }
-  }
-  return {place, largest};
-}
-
 }  // namespace
 
 std::optional<std::string> roundness_warning(const Picture& picture, const Circle& disc) {
@@ -181,15 +167,21 @@ std::optional<std::string> roundness_warning(const Picture& picture, const Circl
   if (disc.radius < 4 * kHalfStep || disc.x < reach || disc.y < reach ||
       disc.x + reach > picture.width() - 1 || disc.y + reach > picture.height() - 1)
     return std::nullopt;
+  // Along each ray the place of the steepest edge that goes down outwards, and of that which goes up: the
+  // disc's are the steeper ones.
   std::vector<double> radius[2];
   double steps[2] = {0, 0};
   for (const int way : {0, 1})
-    for (int k = 0; k < kRays; ++k) {
-      const double theta = 2 * std::numbers::pi * k / kRays;
-      const auto [place, step] =
-          edge_along(picture, disc, {std::cos(theta), -std::sin(theta)}, way == 0 ? 1 : -1);
+    for (const auto& [x, y] : directions(kRays)) {
+      double place = 0, largest = 0;
+      for (double r = kInner * disc.radius; r <= kOuter * disc.radius; r += 0.25) {
+        const double step = (way == 0 ? 1 : -1) * rim_step(picture, {disc.x, disc.y, r}, kHalfStep, {x, -y});
+        if (step <= largest) continue;
+        largest = step;
+        place = r;
+      }
       radius[way].push_back(place);
-      steps[way] += step;
+      steps[way] += largest;
     }
   const std::vector<double>& seen = radius[steps[1] > steps[0]];
   std::complex<double> harmonic[3];

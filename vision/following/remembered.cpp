@@ -99,12 +99,6 @@ std::vector<Seen> follow_some(FrameSource& source, const Picture& first, std::in
   return seen;
 }
 
-double median_score(const std::vector<Seen>& seen) {
-  std::vector<double> scores;
-  for (const Seen& s : seen) scores.push_back(s.ncc);
-  return median(scores);
-}
-
 /// Adds the frame, moved back by the pose, to the sums over `area`. False where it reaches out of the
 /// picture.
 bool add_aligned(FrameSource& source, const Seen& seen, const Rect& area, Picture& sums) {
@@ -133,7 +127,9 @@ AveragedTemplate quiet_template(FrameSource& source, const Picture& first, std::
   if (seen.size() < 3) return out;
   const Rect area = grown(pattern.window, kSurroundings, bounds_of(first));
   Picture sums = part_of(first, area);
-  const double least = kScoreShare * median_score(seen);
+  std::vector<double> scores;
+  for (const Seen& s : seen) scores.push_back(s.ncc);
+  const double least = kScoreShare * median(scores);
   for (const Seen& s : seen)
     if (s.ncc >= least && add_aligned(source, s, area, sums)) ++out.frames;
   if (out.frames < 4) return {};

@@ -62,20 +62,18 @@ class Learning {
 
   LearntPart run() {
     // A part of the windows finds the pictures, all of them then make them quiet.
-    const bool few = windows_.size() > kEarly;
-    few ? look_at_few() : look_at_all();
+    look_at(kEarly);
     see_ground();
     rounds(kMostRounds, false);
-    look_at_all();
-    if (few) measure_windows();
+    look_at(windows_.size());
+    if (windows_.size() > kEarly) measure_windows();
     // Pictures far from the truth would show a slope of the light where there is none.
     rounds(kLastRounds, true);
     return std::move(out_);
   }
 
  private:
-  void look_at_few();
-  void look_at_all();
+  void look_at(std::size_t most);
   void rounds(int most, bool look_for_light);
   void learn_pictures();
   void see_ground();
@@ -96,16 +94,13 @@ class Learning {
   LearntPart out_;
 };
 
-/// Some windows, spread over all.
-void Learning::look_at_few() {
+/// So many windows, spread over all.
+void Learning::look_at(std::size_t most) {
   active_.clear();
-  for (std::size_t k = 0; k < windows_.size(); ++k)
-    if (k * kEarly / windows_.size() != (k + 1) * kEarly / windows_.size()) active_.push_back(k);
-}
-
-void Learning::look_at_all() {
-  active_.resize(windows_.size());
-  std::iota(active_.begin(), active_.end(), std::size_t{0});
+  const std::size_t n = windows_.size();
+  most = std::min(most, n);
+  for (std::size_t k = 0; k < n; ++k)
+    if (k * most / n != (k + 1) * most / n) active_.push_back(k);
 }
 
 /// Until what further rounds would move is lost in the noise.
