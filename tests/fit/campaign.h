@@ -54,6 +54,16 @@ inline fit::SummaryRun summary_run(const model::Scenario& truth, double alpha_sd
   return run;
 }
 
+/// mu1, mu2 and the lag, to be fitted to runs measured so at these.
+inline fit::Problem problem_of(const std::vector<model::Scenario>& scenarios, double alpha_sd, double v_sd,
+                               std::mt19937* random = nullptr) {
+  fit::Problem problem;
+  problem.free = {fit::FitParameter::mu1, fit::FitParameter::mu2, fit::FitParameter::lag};
+  for (const model::Scenario& scenario : scenarios)
+    problem.summary_runs.push_back(summary_run(scenario, alpha_sd, v_sd, random));
+  return problem;
+}
+
 /// The sentence that begins so; empty without.
 inline std::string sentence_of(const std::string& beginning, const std::vector<std::string>& sentences) {
   for (const std::string& sentence : sentences)

@@ -30,17 +30,12 @@ TEST(Coverage, OfDisplacementsIs95Percent) {
   constexpr unsigned kSeed = 11, kMostCampaigns = 3000;
   const test::Truth truth;
   const double truths[] = {truth.mu1, truth.mu2, truth.lag};
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  Problem problem = test::problem_of(test::fourteen(truth), 0.01, 0.02e-3);
   // First guesses off the truth by many standard deviations.
   problem.start = {{FitParameter::mu1, 1.03 * truth.mu1},
                    {FitParameter::mu2, 1.5 * truth.mu2},
                    {FitParameter::lag, truth.lag + 0.1}};
-  for (const auto& scenario : test::fourteen(truth))
-    problem.summary_runs.push_back(test::summary_run(scenario, 0.01, 0.02e-3));
-  FitOptions options;
-  options.multi_starts = 1;
-  options.profiles = options.next_experiment = false;
+  FitOptions options{.multi_starts = 1, .profiles = false, .next_experiment = false};
   const double bound = std::log(100);
   double too_low = 0, too_high = 0;  // log-likelihood ratios
   unsigned trials = 0;

@@ -18,10 +18,7 @@ constexpr double pi = std::numbers::pi;
 const std::vector<FitParameter> kThree{FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
 
 Problem exact_problem(const std::vector<model::Scenario>& scenarios) {
-  Problem problem;
-  problem.free = kThree;
-  for (const auto& s : scenarios) problem.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3));
-  return problem;
+  return test::problem_of(scenarios, 0.01, 0.05e-3);
 }
 
 std::string all(const std::vector<std::string>& lines) {
@@ -51,16 +48,6 @@ TEST(Estimate, RecoversTheTruthFromExactDataWithoutAnyGuess) {
     EXPECT_NEAR(p.profile_ci95.high, p.ci95.high, 0.1 * p.sd);
     EXPECT_LT(result.next_experiment->predicted_sd.at(p.parameter), p.sd);
   }
-}
-
-TEST(Estimate, TheLagIsFoldedIntoHalfATurn) {
-  const Truth truth{0.09, 0.02, 2.9};
-  Problem problem = exact_problem(test::fourteen(truth));
-  problem.start = {{FitParameter::mu1, 0.085}, {FitParameter::mu2, 0.02}, {FitParameter::lag, 2.8 - 4 * pi}};
-  FitOptions options;
-  options.profiles = false;
-  options.multi_starts = 1;
-  EXPECT_NEAR(estimate(problem, options).value(FitParameter::lag), 2.9, 1e-5);
 }
 
 TEST(Estimate, LagAndDelayAtOneFrequencyAreOneParameter) {
@@ -96,9 +83,7 @@ TEST(Estimate, WithoutPulsesMu2AndLagAreDead) {
 TEST(Estimate, FixedValuesAndPriorsAreUsed) {
   Problem problem = exact_problem(test::fourteen({}));
   problem.summary_runs.resize(8);
-  FitOptions options;
-  options.profiles = false;
-  options.multi_starts = 2;
+  FitOptions options{.multi_starts = 2, .profiles = false};
   const double alone = estimate(problem, options).parameters[0].sd;
 
   // The prior enters as one more datum: information adds.
@@ -127,9 +112,7 @@ TEST(Estimate, FixedValuesAndPriorsAreUsed) {
 
 TEST(Estimate, TheScalesUncertaintyEntersTheCovariance) {
   Problem problem = exact_problem(test::fourteen({}));
-  FitOptions options;
-  options.profiles = false;
-  options.multi_starts = 2;
+  FitOptions options{.multi_starts = 2, .profiles = false};
   const FitResult sharp = estimate(problem, options);
   problem.conditions = {{FitParameter::scale, 0.02, "test"}};
   const FitResult blurred = estimate(problem, options);

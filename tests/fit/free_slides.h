@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <random>
-#include <string>
 
 #include "fit/problem.h"
 #include "model/spinning_disc.h"

@@ -25,8 +25,7 @@ constexpr double kLeast[] = {
     13.53682, 9.20979,  11.35178, 16.10057, 13.73946, 17.64381, 11.63889, 19.49229, 39.54700, 23.65442};
 
 void expect_least_chi2(int index) {
-  FitOptions search_alone;
-  search_alone.profiles = search_alone.next_experiment = search_alone.estimate_scatter = false;
+  FitOptions search_alone{.profiles = false, .next_experiment = false, .estimate_scatter = false};
   const auto level = index / 12 % 2 == 0 ? bench::NoiseLevel::low : bench::NoiseLevel::high;
   const Problem problem = bench::draw_random_runs(3 + index % 12, level, 20210702, index).problem;
   EXPECT_NEAR(estimate(problem, search_alone).chi2, kLeast[index], 0.01) << "campaign " << index;

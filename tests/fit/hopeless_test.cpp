@@ -12,7 +12,6 @@
 namespace tribotrack::fit {
 namespace {
 
-using test::Truth;
 using testing::AnyOf;
 using testing::HasSubstr;
 constexpr double pi = std::numbers::pi;
@@ -20,11 +19,7 @@ constexpr double pi = std::numbers::pi;
 const FitOptions kQuick{.profiles = false};
 
 Problem campaign(const std::vector<model::Scenario>& scenarios, std::mt19937& random) {
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  for (const auto& s : scenarios)
-    problem.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3, &random));
-  return problem;
+  return test::problem_of(scenarios, 0.01, 0.05e-3, &random);
 }
 
 std::string said(const FitResult& result) {
@@ -79,18 +74,13 @@ TEST(Hopeless, OneRunOnly) {
 
 // With mu1 = mu2 the noise alone would place the pulse: a lag with an interval that excludes the truth.
 TEST(Hopeless, PulsesWithoutEffectGiveNoLag) {
-  const unsigned seed = 31;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(31);
   for (int trial = 0; trial < 5; ++trial) {
-    Problem problem;
-    problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-    for (const auto& s : test::fourteen({0.1, 0.1, 0.1})) {
-      problem.summary_runs.push_back(test::summary_run(s, 0.02, 0.02e-3));
-      auto& measured = problem.summary_runs.back().measured;
-      std::normal_distribution<double> noise(0, 3e-5);
-      measured.covariance = 9e-10 * Eigen::Matrix2d::Identity();
-      measured.vector += Eigen::Vector2d(noise(random), noise(random));
+    Problem problem = test::problem_of(test::fourteen({0.1, 0.1, 0.1}), 0.02, 0.02e-3);
+    std::normal_distribution<double> noise(0, 3e-5);
+    for (SummaryRun& run : problem.summary_runs) {
+      run.measured.covariance = 9e-10 * Eigen::Matrix2d::Identity();
+      run.measured.vector += Eigen::Vector2d(noise(random), noise(random));
     }
     const FitResult result = estimate(problem, kQuick);
     EXPECT_FALSE(result.usable()) << result.full_report();
@@ -101,10 +91,7 @@ TEST(Hopeless, PulsesWithoutEffectGiveNoLag) {
 
 // An actuator whose command is the wrong way round.
 TEST(Hopeless, PulsesThatRaiseFrictionAreNotUsed) {
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  for (const auto& s : test::fourteen({0.1, 0.12, 0.1}))
-    problem.summary_runs.push_back(test::summary_run(s, 0.02, 0.02e-3));
+  Problem problem = test::problem_of(test::fourteen({0.1, 0.12, 0.1}), 0.02, 0.02e-3);
   problem.start = {{FitParameter::mu1, 0.1}, {FitParameter::mu2, 0.12}, {FitParameter::lag, 0.1}};
   FitOptions options = kQuick;
   options.multi_starts = 1;
@@ -116,12 +103,11 @@ TEST(Hopeless, PulsesThatRaiseFrictionAreNotUsed) {
 TEST(Hopeless, APartThatSticksThroughoutGivesABound) {
   std::mt19937 random(8);
   std::normal_distribution<double> noise(0, 1e-6);
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
+  Problem problem = test::problem_of(std::vector(4, test::scenario({}, 1, 1)), 0.02, 0.02e-3);
   for (int k = 0; k < 4; ++k) {
-    problem.summary_runs.push_back(test::summary_run(test::scenario({}, k, 1), 0.02, 0.02e-3));
-    problem.summary_runs.back().measured.vector = {noise(random), noise(random)};
-    problem.summary_runs.back().measured.covariance = 1e-12 * Eigen::Matrix2d::Identity();
+    problem.summary_runs[k].scenario.friction.phase = k;
+    problem.summary_runs[k].measured.vector = {noise(random), noise(random)};
+    problem.summary_runs[k].measured.covariance = 1e-12 * Eigen::Matrix2d::Identity();
   }
   const FitResult result = estimate(problem, kQuick);
   EXPECT_EQ(result.identifiability.verdict, Verdict::not_identifiable);

@@ -125,12 +125,11 @@ Problem slides() {
 }
 
 FitOptions options_of(const Method& method) {
-  FitOptions options;
-  options.multi_starts = 1;
-  options.profiles = options.next_experiment = false;
-  options.estimate_scatter = method.scatter;
-  options.loss = method.loss;
-  return options;
+  return {.multi_starts = 1,
+          .profiles = false,
+          .next_experiment = false,
+          .estimate_scatter = method.scatter,
+          .loss = method.loss};
 }
 
 FitResult fitted(const Method& method, const Problem& problem) {

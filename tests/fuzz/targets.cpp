@@ -8,7 +8,6 @@
 #include <iterator>
 #include <map>
 #include <memory>
-#include <vector>
 
 #include "apps/files/camera.h"
 #include "apps/files/campaign/campaign.h"

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <iostream>
-
 #include "model/reference_error.h"
 #include "model/trajectory.h"
 
@@ -17,26 +15,13 @@ namespace {
 constexpr bool kQuick = true;
 
 TEST(Extremes, EachAgreesWithQuadruplePrecision) {
-  double worst = 0;
-  std::string where;
-  const auto cases = extreme_cases(kQuick);
-  for (const ExtremeCase& c : cases) {
+  for (const ExtremeCase& c : extreme_cases(kQuick)) {
     SCOPED_TRACE(c.name);
-    double error = HUGE_VAL;
-    try {
-      error = c.scenario.cycles > 24
-                  ? reference::difference(integrate(c.scenario), reference::after_many_cycles(c.scenario))
-                  : reference::error_against_reference(c.scenario);
-    } catch (const std::exception& failure) {
-      ADD_FAILURE() << failure.what();
-    }
-    EXPECT_LT(error, 1e-11);
-    if (error > worst) {
-      worst = error;
-      where = c.name;
-    }
+    const Scenario& s = c.scenario;
+    EXPECT_LT(s.cycles > 24 ? reference::difference(integrate(s), reference::after_many_cycles(s))
+                            : reference::error_against_reference(s),
+              1e-11);
   }
-  std::cout << cases.size() << " cases, worst relative error " << worst << " (" << where << ")\n";
 }
 
 /// A million cycles: the reference adds cycles in quadruple precision.
@@ -46,9 +31,7 @@ TEST(Extremes, AMillionCyclesAgreeWithQuadruplePrecision) {
     SCOPED_TRACE(c.name);
     Scenario s = c.scenario;
     s.cycles = 1e6;
-    const double error = reference::difference(integrate(s), reference::after_many_cycles(s));
-    std::cout << c.name << " x 1e4: relative error " << error << '\n';
-    EXPECT_LT(error, 1e-11);
+    EXPECT_LT(reference::difference(integrate(s), reference::after_many_cycles(s)), 1e-11);
   }
 }
 

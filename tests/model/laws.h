@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -19,6 +18,13 @@
 namespace tribotrack::model::laws {
 
 constexpr double kPi = std::numbers::pi;
+
+/// Ordinary: slides throughout.
+inline Scenario reference_run() {
+  Scenario s;
+  s.friction = {0.1, 0.0125, 0.5, kPi / 2, 0};
+  return s;
+}
 
 inline double drive_amplitude(const Scenario& s) {
   return s.drive.amplitude * s.drive.angular_frequency * s.drive.angular_frequency;

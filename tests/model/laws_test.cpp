@@ -1,7 +1,6 @@
 // Every exact law, applied at ordinary, tiny and random parameters.
 #include <gtest/gtest.h>
 
-#include <iostream>
 #include <random>
 
 #include "model/laws.h"
@@ -13,12 +12,7 @@ namespace tribotrack::model {
 namespace {
 
 using laws::kPi;
-
-Scenario reference_run() {
-  Scenario s;
-  s.friction = {0.1, 0.0125, 0.5, kPi / 2, 0};
-  return s;
-}
+using laws::reference_run;
 
 Scenario tiny_run() {
   Scenario s = reference_run();
@@ -84,7 +78,6 @@ class Laws : public testing::Test {
  protected:
   const unsigned seed = std::random_device{}();
   testing::ScopedTrace trace{__FILE__, __LINE__, "seed " + std::to_string(seed)};
-  void SetUp() override { std::cout << "seed " << seed << '\n'; }
 };
 
 /// Every way to integrate that is offered to users: dense or not, with repeating cycles or without.

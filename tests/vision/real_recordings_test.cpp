@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "vision/circle_fit_judge.h"
 #include "vision/recordings.h"
@@ -80,9 +79,6 @@ TEST_P(CarromMen, AreTrackedAsWellAsByACircleFitWithATrueSd) {
   const double ratio = std::sqrt((left.array() / sd.array()).square().mean() * static_cast<double>(count) /
                                  static_cast<double>(count - 7));
   const double lag = std::min(lag_one(left.col(0)), lag_one(left.col(1)));
-  std::printf("%s: noise %.4f px, of the circle fit %.4f; residual %.4f px, over sd %.2f; lag one %+.2f\n",
-              man.name.c_str(), noise(ours), noise(judged),
-              std::sqrt(left.squaredNorm() / (2.0 * static_cast<double>(count))), ratio, lag);
   EXPECT_LE(noise(ours), noise(judged));
   EXPECT_GT(lag, -0.2);
   EXPECT_GT(ratio, 0.8);

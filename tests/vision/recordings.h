@@ -69,15 +69,22 @@ inline void write_recording(const std::filesystem::path& path, const SinkOptions
   sink->close();
 }
 
-/// The one sentence with which opening (and reading every frame) fails; empty where it does not.
-inline std::string input_error(const std::filesystem::path& path, const SourceOptions& options = {}) {
+/// The one sentence with which an attempt is refused; empty where it is not.
+template <class Attempt>
+std::string refusal_of(const Attempt& attempt) {
   try {
-    const auto source = open_source(path, options);
-    for (std::int64_t k = 0; k < source->info().frame_count; ++k) source->read(k);
+    attempt();
   } catch (const InputError& error) {
     return error.what();
   }
   return "";
+}
+/// That of opening a recording and reading every frame.
+inline std::string input_error(const std::filesystem::path& path) {
+  return refusal_of([&] {
+    const auto source = open_source(path);
+    for (std::int64_t k = 0; k < source->info().frame_count; ++k) source->read(k);
+  });
 }
 
 /// Folder of real recordings, empty where TRIBOTRACK_REAL_DATA does not name one.

@@ -69,8 +69,6 @@ TEST(Tracker, CirclingDiscIsFollowedAtTheBound) {
   EXPECT_NEAR(result.summary.noise_levels, std::sqrt(kSigma * kSigma + 1.0 / 12), 0.1);
   expect_true(result, truth, 0.05);
   const test::TrackErrors e = test::errors_of(result.track, truth);
-  std::printf("rms %.5f px, limit %.5f px, standardised %.3f\n", e.rms, result.summary.limit_px,
-              e.standardised);
   EXPECT_LT(e.rms, 1.1 * result.summary.limit_px);
   EXPECT_GT(e.standardised, 0.9);
   EXPECT_LT(e.standardised, 1.1);
@@ -226,11 +224,6 @@ TEST(TrackerOnRealRecordings, DicChallengeShiftOfATenthOfAPixel) {
       mx += dx[k] / static_cast<double>(dx.size());
       my += dy[k] / static_cast<double>(dy.size());
     }
-    double scatter = 0;
-    for (std::size_t k = 0; k < dx.size(); ++k)
-      scatter += (std::pow(dx[k] - mx, 2) + std::pow(dy[k] - my, 2)) / static_cast<double>(2 * dx.size());
-    std::printf("%zu windows: mean (%.4f, %.4f) px, scatter %.4f px\n", dx.size(), mx, my,
-                std::sqrt(scatter));
     return dx.size();
   };
   double mx = 0;

@@ -107,26 +107,6 @@ TEST_F(Commands, AFreeSlideGivesMuAndAReport) {
   EXPECT_EQ(content_of(in_folder("f2.json")), first);
 }
 
-TEST_F(Commands, AnUnusableFitIsExit5AndSaysWhatCanBeTold) {
-  // The same phi and dtau again and again: two numbers for three parameters.
-  std::string text = "[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n";
-  for (int k = 0; k < 4; ++k)
-    text +=
-        "[[run]]\nphi_rad = 0\ndtau_rad = 1\nalpha_rad = 5.7\nalpha_sd_rad = 0.02\nv_mm_s = 4.2\nv_sd_mm_s = "
-        "0.05\n";
-  put(in_folder("c.toml"), text);
-  const Outcome outcome = run("fit c.toml -o fit.json");
-  EXPECT_EQ(outcome.exit_code, 5) << outcome.err;
-  const Json fit = Json::parse(content_of(in_folder("fit.json")));
-  EXPECT_EQ(fit["identifiability"]["verdict"], "not identifiable");
-  EXPECT_FALSE(fit["identifiability"]["weak_directions"].empty());
-  // The words and the remedy come without asking.
-  EXPECT_THAT(outcome.err, HasSubstr("is hidden by"));
-  EXPECT_THAT(outcome.err, HasSubstr("Film next phi = "));
-  EXPECT_TRUE(fit["next_experiment"]["predicted_ci95"]["mu1"].is_array());
-  EXPECT_TRUE(fit["next_experiment"]["amplitude_mm"].is_number());
-}
-
 TEST_F(Commands, BootstrapLossAndRivalsAreToldInTheResult) {
   std::string text = "[platform]\namplitude_mm = 0.28\nangular_frequency_rad_s = 62.8\n";
   const double alpha[] = {5.7, 5.2, 4.9, 4.6}, v[] = {2.2, 4.2, 5.6, 6.6};
@@ -145,23 +125,6 @@ TEST_F(Commands, BootstrapLossAndRivalsAreToldInTheResult) {
   fit = Json::parse(content_of(in_folder("fit.json")));
   EXPECT_EQ(fit["loss"], "huber");
   EXPECT_THAT(fit["covariance_meaning"].get<std::string>(), HasSubstr("Robust loss (Huber)"));
-}
-
-TEST_F(Commands, EveryFormatOfSynthIsReadBackAndTracked) {
-  for (const char* format : {"a.cine", "b.mkv", "c.avi", "d.mp4", "e/%05d.png", "f/%05d.tif"}) {
-    std::filesystem::create_directories(in_folder("e"));
-    std::filesystem::create_directories(in_folder("f"));
-    render_slide(format);
-    const Outcome outcome =
-        run(std::string("track ") + format + " --fps 1000 --mm-per-px 0.05 -o t.csv --json -q");
-    ASSERT_EQ(outcome.exit_code, 0) << format << ": " << outcome.err;
-    EXPECT_EQ(Json::parse(outcome.out)["ok"], 40) << format;
-  }
-  render_slide("deep.cine", {.video = "bits = 12\n"});
-  const Json info = Json::parse(run("probe deep.cine --json").out);
-  EXPECT_EQ(info["bits"], 12);
-  EXPECT_EQ(info["frames"], 40);
-  EXPECT_EQ(info["time_base"]["rate_hz"], 1000);
 }
 
 }  // namespace

@@ -54,14 +54,6 @@ TEST_F(Identity, TwoDiscsAreAQuestionWithAPictureAndWhatToPaste) {
   EXPECT_EQ(run("track two.cine --mm-per-px 0.1 --disc 40.4,30.2,11.0 -o t.csv -q").exit_code, 0);
 }
 
-TEST_F(Identity, InACampaignThePictureLiesAmongTheTracks) {
-  record_two("two.cine");
-  put(in_folder("c.toml"), slides_campaign({"two.cine"}, "mm_per_px = 0.1\n"));
-  const Outcome asked = run("run c.toml -o out -q");
-  expect_refused(asked, 3, {"two.cine", "out/tracks/two.discs.png", "2: --disc 120.2,60.3,11", "disc_px"});
-  EXPECT_TRUE(std::filesystem::exists(in_folder("out/tracks/two.discs.png")));
-}
-
 TEST_F(Identity, ADiscThatNeverMovesIsNoPartUnlessItIsSaidToBe) {
   record("still.cine", 500, [](int) { return std::vector<vision::Circle>{{40.4, 30.2, 11}}; });
   const Outcome found = run("track still.cine --mm-per-px 0.1 -o t.csv -q");

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
-#include <numeric>
 
 namespace tribotrack::apps {
 namespace {
@@ -26,13 +25,6 @@ Figure settled(std::vector<Panel> panels, bool shared_x = false) {
   Figure figure{.id = "f", .title = "f", .caption = "", .panels = std::move(panels), .shared_x = shared_x};
   settle_axes(figure);
   return figure;
-}
-
-TEST(MultipleOfPi, IsReduced) {
-  EXPECT_EQ(multiple_of_pi(0, 4), "0");
-  EXPECT_EQ(multiple_of_pi(4, 4), "π");
-  EXPECT_EQ(multiple_of_pi(-2, 4), "−π/2");
-  EXPECT_EQ(multiple_of_pi(10, 12), "5π/6");
 }
 
 TEST(AngleAxis, AWholeTurnHasQuarters) {
@@ -110,16 +102,6 @@ TEST(PlotlyJson, PlacesAreAsFineAsTheAxisShows) {
     EXPECT_NEAR(trace["x"][i].get<double>(), wanted[i], 1e-4 * (axis[1] - axis[0]));
   EXPECT_TRUE(trace["y"][1].is_null());
   EXPECT_EQ(trace["error_y"]["array"][2], 0.123);
-}
-
-TEST(PlotlyJson, PanelsAreNumberedAndAnEmptyPlaceHasNoAxes) {
-  const Json json = plotly_json(narrow()), &layout = json["layout"];
-  EXPECT_EQ(json["panels"].size(), 2u);
-  EXPECT_FALSE(layout.contains("xaxis"));
-  EXPECT_EQ(layout["xaxis2"]["anchor"], "y2");
-  EXPECT_EQ(json["data"][0]["yaxis"], "y2");
-  EXPECT_EQ(layout["shapes"][0]["xref"], "x2 domain");
-  EXPECT_EQ(layout["shapes"][0]["yref"], "y2");
 }
 
 }  // namespace

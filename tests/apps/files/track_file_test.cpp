@@ -122,33 +122,6 @@ TEST_F(TrackFiles, SlowErrorsComeBackFromTheMetaFile) {
   EXPECT_THROW(track_described_by(meta, "t.csv.meta.json"), InvalidInput);
 }
 
-TEST_F(TrackFiles, TheAuditComesBackFromTheMetaFile) {
-  vision::Audit audit;
-  audit.frames = 240;
-  audit.halves_x = 1.1;
-  audit.halves_y = 1.2;
-  audit.white_factor = 1.7;
-  audit.slow_sd = 0.004;
-  audit.slow_time = 0.3;
-  const Json json = json_of(audit);
-  const vision::Audit back = track_described_by({{"audit", json}}, "t.csv.meta.json").audit;
-  EXPECT_EQ(json_of(back), json);
-  EXPECT_EQ(back.halves_y, audit.halves_y);
-  EXPECT_TRUE(json.at("high_frequency").is_null());
-  EXPECT_FALSE(back.high_frequency);
-}
-
-TEST_F(TrackFiles, AForeignMetaFileIsOneSentence) {
-  const std::string csv = kHeader + "0,0,1,2,0.1,0.1,0,1,ok,1,2,0.1,0.1\n";
-  for (const char* meta :
-       {"[1, 2]", "{\"scale\": {\"mm_per_px\": \"wide\"}}", "{\"summary\": {\"gate_passed\": 3}}",
-        "{\"plan\": 3}", "{\"audit\": {\"frames\": 1e300}}", "{\"inputs\": {\"path\": \"a\"}}",
-        "{\"slow_errors\": [1]}", "{\"audit\": {\"halves_x\": \"x\"}}",
-        "{\"recording\": {\"exposure_s\": [1]}}"})
-    EXPECT_THAT(complaint(csv, meta), HasSubstr("t.csv.meta.json: is not the meta file of a track")) << meta;
-  EXPECT_THAT(complaint(csv, "{"), HasSubstr("t.csv.meta.json"));
-}
-
 TEST_F(TrackFiles, AnglesAreReadWhereTheyAre) {
   const std::string with = "frame,time_s,status,x_mm,y_mm,sigma_x_mm,sigma_y_mm,theta_rad,sigma_theta_rad\n";
   const Track track = read(with + "0,0,ok,1,2,0.1,0.1,0.5,0.01\n1,0.1,ok,1,2,0.1,0.1,,\n2,0.2,lost,,,,,,\n",

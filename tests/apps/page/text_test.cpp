@@ -12,35 +12,12 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double pi = std::numbers::pi;
 
-TEST(ReportText, EscapesWhatHtmlReads) {
-  EXPECT_EQ(escape_html("<a href=\"x\">'&'</a>"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;&lt;/a&gt;");
-  EXPECT_EQ(escape_html("μ1 ± 2"), "μ1 ± 2");
-}
-
-TEST(ReportText, NumbersThatAreNotFiniteAreSaidInSigns) {
-  EXPECT_EQ(number(nan), "–");
-  EXPECT_EQ(number(infinity), "∞");
-  EXPECT_EQ(number(-infinity), "−∞");
-  EXPECT_EQ(number(-0.5), "−0.5");
-  EXPECT_EQ(number(0.123456, 3), "0.123");
-}
-
 TEST(ReportText, AnIntervalKeepsTwoDigitsOfItsHalfWidth) {
   EXPECT_EQ(interval_text(0.09952, 0.100732, 0.00031), "0.09952 to 0.10073");
   EXPECT_EQ(interval_text(-0.001, infinity, 0.02), "−0.001 to ∞");
   EXPECT_EQ(interval_text(0.12341, 0.12351, 0.02), "0.123410 to 0.123510");
   EXPECT_EQ(interval_text(1, 3, nan), "1.0 to 3.0");
   EXPECT_EQ(interval_text(nan, 1, 0.1), "–");
-}
-
-TEST(ReportText, SentencesGetSymbolsNamesKeepTheirLetters) {
-  EXPECT_EQ(sentence_html("mu1 = 0.1 +- 0.01 (chi2 3): phase_lag_rad -> <0>"),
-            "μ₁ = 0.1 ± 0.01 (χ² 3): lag → &lt;0&gt;");
-  EXPECT_EQ(sentence_html("phi = 1.5 pi, dtau = pi, alpha, 3 rad/s^2"), "φ = 1.5 π, Δτ = π, α, 3 rad/s²");
-  EXPECT_EQ(sentence_html("phi000_dtau060 in alpha.cine, out/phi/a.csv: phi_rad"),
-            "phi000_dtau060 in alpha.cine, out/phi/a.csv: phi_rad");
-  EXPECT_EQ(sentence_html("no mu1."), "no μ₁.");
-  EXPECT_EQ(sentence_html("mu1/mu2, mu1/8, 3 pi/2, A_e omega^2"), "μ₁/μ₂, μ₁/8, 3 π/2, Aₑ ω²");
 }
 
 TEST(ReportText, AnglesAreFractionsOfPiWhereTheyAre) {

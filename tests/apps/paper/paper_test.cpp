@@ -59,13 +59,6 @@ double y_at(const DrawnPath& series, double x) {
   return series.y[static_cast<std::size_t>(nearest - series.x.begin())];
 }
 
-void expect_ends_like(const DrawnPath& path, const model::Scenario& scenario) {
-  const Eigen::Vector2d end = 1e3 * model::integrate(scenario).end().position;
-  EXPECT_NEAR(path.x.back(), end.x(), 1e-9);
-  EXPECT_NEAR(path.y.back(), end.y(), 1e-9);
-  EXPECT_EQ(path.x.front(), 0);
-}
-
 TEST(PaperFigures, FollowTheFilesOfTheRepository) {
   for (const EmbeddedScenario& scenario : paper_scenarios())
     EXPECT_EQ(scenario.toml,
@@ -74,34 +67,6 @@ TEST(PaperFigures, FollowTheFilesOfTheRepository) {
       "μ₁ = 0.1, g = 9.81 m/s², Aₑ = 0.28 mm, ω = 62.8 rad/s, ε = π/2, φ = 0, Δτ = π/6";
   EXPECT_THAT(figure(6).caption, HasSubstr("b: " + conditions + "; 20 cycles from rest. "));
   EXPECT_EQ(figure(4).panels[2].title, "c: φ = 11π/9, Δτ = π/4");
-}
-
-TEST(PaperFigures, TrajectoriesEndWhereARunEnds) {
-  model::Scenario s = conditions_of("figure3");
-  expect_ends_like(series(figure(3), 2, "μ ≠ const"), s);
-  s.friction.pulse_width = 0;
-  expect_ends_like(series(figure(3), 2, "μ = const"), s);
-  s = conditions_of("figure4c");
-  expect_ends_like(series(figure(4), 2, "(2) Aₑ = 0.31 mm"), s);
-  s.drive.amplitude = s.drive.amplitude_y = 0.32e-3;
-  expect_ends_like(series(figure(4), 2, "(3) Aₑ = 0.32 mm"), s);
-  s = conditions_of("figure5");
-  s.friction.pulse_width = pi;
-  s.friction.phase = 5 * pi / 4;
-  expect_ends_like(series(figure(5), 1, "(6) φ = 5π/4"), s);
-  s = conditions_of("figure11");
-  s.friction.phase = pi / 2;
-  expect_ends_like(series(figure(11), 1, "(2) φ = π/2"), s);
-}
-
-TEST(PaperFigures, FrictionOfFigure3IsThatOfEquation6) {
-  const model::Scenario s = conditions_of("figure3");
-  const DrawnPath mu = series(figure(3), 1, "μ ≠ const");
-  double reduced = 0;  // time
-  for (std::size_t k = 1; k < mu.x.size(); ++k)
-    if (mu.y[k] == s.friction.reduced) reduced += mu.x[k] - mu.x[k - 1];
-  EXPECT_NEAR(reduced, 3 * s.friction.pulse_width / s.drive.angular_frequency, 1e-12);
-  EXPECT_NEAR(mu.x.back(), s.end_time(), 1e-12);
 }
 
 TEST(PaperFigures, CurvesAreWhatARunGives) {

@@ -7,14 +7,6 @@
 namespace tribotrack::apps {
 namespace {
 
-TEST(ProgressText, TellsShareRateAndTimeLeft) {
-  EXPECT_EQ(progress_text(4000, 20000, "frames", 5), "4000/20000 (20 %), 800 frames/s, 20 s left");
-  EXPECT_EQ(progress_text(3, 12, "scenes", 2), "3/12 (25 %), 1.5 scenes/s, 6 s left");
-  EXPECT_EQ(progress_text(3, 12, "", 2), "3/12 (25 %), 6 s left");
-  EXPECT_EQ(progress_text(0, 12, "frames", 2), "0/12 (0 %)");
-  EXPECT_EQ(progress_text(12, 12, "frames", 0), "12/12 (100 %)");
-}
-
 class Streams : public ProgramTest {};
 
 TEST_F(Streams, WhatAFileHoldsDoesNotControlTheTerminal) {

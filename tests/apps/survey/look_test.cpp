@@ -115,19 +115,6 @@ TEST_F(Look, WhatIsNotKnownIsLeftToFillInAndSaid) {
               AllOf(HasSubstr("# LEFT OUT"), HasSubstr("# TO FILL IN"), HasSubstr("# phi_rad = \"0deg\"")));
 }
 
-TEST_F(Look, WhereNothingElseMovesThePartIsGuessedToSlideFreely) {
-  std::filesystem::create_directory(in_folder("recordings"));
-  put(in_folder("slide.toml"),
-      "[platform]\namplitude_mm = 0\n[friction]\nmu1 = 0.2\n[run]\nvelocity_x_mm_s = 150\n"
-      "[video]\nwidth = 200\nheight = 100\nframe_rate_hz = 500\nexposure_s = 0.2e-3\nframes = 40\n"
-      "[camera]\nmm_per_px = 0.1\n[disc]\ndiameter_mm = 4\nstart_px = [40, 50]\n");
-  ASSERT_EQ(run("synth slide.toml -q -o recordings/IMG_0012.cine").exit_code, 0);
-  const Outcome made = run("init lab --from recordings --disc-diameter-mm 4");
-  ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_THAT(content_of(in_folder("lab/campaign.toml")), HasSubstr("kind = \"free_slide\""));
-  EXPECT_THAT(made.err, Not(HasSubstr("to fill in")));
-}
-
 /// Whatever its file is called.
 TEST_F(Look, APartThatCirclesIsDrivenThoughNoMarkShowsIt) {
   std::filesystem::create_directory(in_folder("recordings"));

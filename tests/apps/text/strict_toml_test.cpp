@@ -105,17 +105,6 @@ TEST(KeyDepth, ThousandsOfTablesInTablesAreRefused) {
   }
 }
 
-TEST(KeyDepth, ValuesInValuesAreRefusedByTheParser) {
-  for (const char* open : {"[", "{a="})
-    EXPECT_NE(complaint("x = " +
-                        [&] {
-                          std::string text;
-                          for (int k = 0; k < 100000; ++k) text += open;
-                          return text;
-                        }()),
-              "no complaint");
-}
-
 TEST(KeyDepth, WhatPeopleWriteIsRead) {
   EXPECT_EQ(complaint("fit.prior.mu1 = { mean = 0.1, sd = 0.01 }\nlist = [1.5, 2.5, 3.5]\n"), "no complaint");
   EXPECT_EQ(complaint("# wait ........................................................ done\n"),

@@ -9,15 +9,9 @@
 namespace tribotrack::apps {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 class Usage : public ProgramTest {};
-
-TEST_F(Usage, HelpStatesDefaults) {
-  EXPECT_THAT(run("help simulate").out, AllOf(HasSubstr("(default 0.28)"), HasSubstr("(default pi/2)")));
-  EXPECT_THAT(run("help campaign").out, HasSubstr("marker_px"));
-}
 
 // Every page of the manual is listed by its title, printed by its name, and leads to pages that there are.
 TEST_F(Usage, HelpPrintsTheManual) {
@@ -35,21 +29,6 @@ TEST_F(Usage, HelpPrintsTheManual) {
       EXPECT_THAT(listed, HasSubstr("  " + (*at)[1].str() + " ")) << topic;
   }
   expect_refused(run("help no-such-page"), 2, {"no-such-page"});
-}
-
-TEST_F(Usage, WithoutACommandItSaysWhichThereAre) {
-  const Outcome bare = run("");
-  EXPECT_EQ(bare.exit_code, 2);
-  EXPECT_EQ(bare.out, "");
-  EXPECT_THAT(bare.err, AllOf(HasSubstr("tribotrack open FOLDER"), HasSubstr("\n  track ")));
-}
-
-TEST_F(Usage, VersionNamesLibrariesThreadsAndTemporaryFiles) {
-  const std::string version = run("--version").out;
-  EXPECT_TRUE(version.starts_with("tribotrack 0.")) << version;
-  EXPECT_THAT(version, AllOf(HasSubstr("OpenCV 4."), HasSubstr("libavformat 5"), HasSubstr("Ceres 2."),
-                             HasSubstr("Eigen 3."), HasSubstr("\nthreads: "), HasSubstr("GB free")));
-  EXPECT_THAT(run("--version", "TMPDIR=/nowhere ").out, HasSubstr("TMPDIR"));
 }
 
 // Made from --help when the package is.

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
-#include <thread>
 
 #include "apps/program.h"
 #include "apps/program/errors.h"

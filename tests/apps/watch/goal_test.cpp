@@ -38,18 +38,5 @@ TEST(GoalText, AGoalOfWhatIsNotFittedIsRefused) {
   EXPECT_THROW(require_fitted(goals_from("mu2=1%"), {FitParameter::mu1}), UsageError);
 }
 
-TEST(GoalText, ProgressSaysWhatIsReachedAndWhatIsNot) {
-  fit::FitResult result;
-  result.parameters.resize(2);
-  result.parameters[0].parameter = FitParameter::mu1;
-  result.parameters[0].estimate = 0.1;
-  result.parameters[0].ci95 = {0.0995, 0.1005};
-  result.parameters[1].parameter = FitParameter::amplitude;
-  result.parameters[1].estimate = 3e-4;
-  result.parameters[1].ci95 = {2.8e-4, 3.2e-4};
-  EXPECT_EQ(progress_of(goals_from("mu1=1%,amplitude_mm=0.01"), result),
-            "mu1 to 1 %: reached, 0.5 %; amplitude_mm to 0.01: 0.02");
-}
-
 }  // namespace
 }  // namespace tribotrack::apps

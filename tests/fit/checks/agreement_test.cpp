@@ -53,13 +53,6 @@ Use judged(FitResult& result) {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-TEST(Judge, ASoundFitIsUsed) {
-  FitResult result = sound();
-  EXPECT_EQ(judged(result), Use::use);
-  EXPECT_TRUE(result.usable());
-  EXPECT_TRUE(result.verdict_reasons.empty());
-}
-
 TEST(Judge, ARejectedModelThatNothingExplainsIsNot) {
   FitResult result = sound();
   result.p_value = 1e-4;

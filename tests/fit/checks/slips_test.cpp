@@ -20,14 +20,8 @@ const FitOptions kQuick{.multi_starts = 4, .profiles = false, .next_experiment =
 
 /// Fourteen runs at 1 deg and 2 %, as a table holds them.
 const Problem& table() {
-  static const Problem problem = [] {
-    Problem made;
-    made.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-    std::mt19937 random(3);
-    for (const model::Scenario& scenario : test::fourteen({}))
-      made.summary_runs.push_back(test::summary_run(scenario, 0.0175, 4e-5, &random));
-    return made;
-  }();
+  static std::mt19937 random(3);
+  static const Problem problem = test::problem_of(test::fourteen({}), 0.0175, 4e-5, &random);
   return problem;
 }
 

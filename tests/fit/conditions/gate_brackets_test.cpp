@@ -69,14 +69,5 @@ TEST(GateBrackets, EachItsOwnTheyAreNone) {
   EXPECT_LE(shared, 20) << "by chance in 5 %";
 }
 
-/// All of it is counted, whichever part is whose.
-TEST(GateBrackets, PartsAddUp) {
-  const std::vector<double> off = {0.03, 0.035, 0.025, 0.032, 0.028, 0.03};
-  const Conditions conditions = pooled(runs_off_by(off));
-  ASSERT_GT(shared_sd(conditions), 0);
-  for (const RunConditions& run : conditions.runs)
-    EXPECT_NEAR(std::hypot(shared_sd(conditions), run.own.sd(Parameter::phi)), kEdge, 1e-12);
-}
-
 }  // namespace
 }  // namespace tribotrack::fit

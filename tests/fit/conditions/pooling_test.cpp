@@ -5,7 +5,6 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <stdexcept>
 #include <vector>
 
@@ -36,26 +35,6 @@ TEST(Pooling, RefusesAtOneInAThousandOnBothSidesOfTheEdge) {
   const Pooled refused = pool(std::vector<Estimate>{{0, 1}, {1.001 * edge, 1}});
   EXPECT_FALSE(refused.one_value());
   EXPECT_NEAR(refused.mean.sd, 0.5 * 1.001 * edge, 1e-12);  // the scatter's, not 1 / sqrt(2)
-}
-
-TEST(Pooling, SeldomRefusesOneQuantityAndItsSdIsItsScatter) {
-  std::mt19937 random(7);
-  std::normal_distribution<double> normal;
-  int refused = 0;
-  double squares = 0;
-  constexpr int campaigns = 4000;
-  for (int c = 0; c < campaigns; ++c) {
-    std::vector<Estimate> values;
-    for (int k = 0; k < 6; ++k) {
-      const double own = 0.2 + 0.3 * k;
-      values.push_back({10 + own * normal(random), own});
-    }
-    const Pooled pooled = pool(values);
-    refused += !pooled.one_value();
-    squares += std::pow((pooled.mean.value - 10) / pooled.mean.sd, 2);
-  }
-  EXPECT_LE(refused, 12);  // 4 expected
-  EXPECT_NEAR(squares / campaigns, 1, 4 * std::sqrt(2.0 / campaigns));
 }
 
 TEST(Pooling, AnglesCountNoTurn) {

@@ -32,12 +32,8 @@ TEST(Transform, IsItsOwnInverseAndKnowsItsSlope) {
 // mu2 = 0 is legal: its interval is one-sided and closed by 0.
 TEST(Profile, Mu2CompatibleWithZeroIsOneSided) {
   std::mt19937 random(2);
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  for (const auto& s : test::fourteen({0.1, 0.0004, 0.1}))
-    problem.summary_runs.push_back(test::summary_run(s, 0.03, 0.2e-3, &random));
-  FitOptions options;
-  options.multi_starts = 2;
+  Problem problem = test::problem_of(test::fourteen({0.1, 0.0004, 0.1}), 0.03, 0.2e-3, &random);
+  FitOptions options{.multi_starts = 2};
   const FitResult result = estimate(problem, options);
   const auto& mu2 = result.parameters[1];
   EXPECT_EQ(mu2.profile_ci95.low, 0);

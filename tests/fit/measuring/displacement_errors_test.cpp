@@ -3,7 +3,6 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <random>
 
@@ -18,9 +17,7 @@ namespace {
 using std::numbers::pi;
 
 TEST(DisplacementErrors, AreAsLargeAsTheirCovarianceSays) {
-  const unsigned seed = 8;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(8);
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
@@ -42,8 +39,6 @@ TEST(DisplacementErrors, AreAsLargeAsTheirCovarianceSays) {
             measured.vector - (motion.at(measured.duration).position - motion.at(0).position);
         square += error.dot(measured.covariance.ldlt().solve(error)) / (2 * runs);
       }
-      std::printf("%3.0f frames/s, noise %.2f um: displacement errors / sd %.2f rms\n", rate, 1e6 * sigma,
-                  std::sqrt(square));
       EXPECT_LT(std::sqrt(square), 1.08);  // 3 sd of 800 squares
       EXPECT_GT(std::sqrt(square), rate < 200 ? 0.75 : 0.92);
     }
@@ -51,9 +46,7 @@ TEST(DisplacementErrors, AreAsLargeAsTheirCovarianceSays) {
 
 // What both ends share does not move one against the other.
 TEST(DisplacementErrors, CountWhatBothEndsShare) {
-  const unsigned seed = 12;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(12);
   std::uniform_real_distribution<double> phase(0, 2 * pi);
   const int runs = 400;
   double told = 0, silent = 0;
@@ -71,8 +64,6 @@ TEST(DisplacementErrors, CountWhatBothEndsShare) {
     told += error.dot(measured.covariance.ldlt().solve(error)) / (2 * runs);
     silent += error.dot(alone.covariance.ldlt().solve(error)) / (2 * runs);
   }
-  std::printf("a slow error of 5 s: displacement errors / sd %.2f rms, %.2f where the track does not tell\n",
-              std::sqrt(told), std::sqrt(silent));
   EXPECT_NEAR(std::sqrt(told), 1, 0.08);  // 3 sd of 800 squares
   EXPECT_LT(std::sqrt(silent), 0.7);
 }

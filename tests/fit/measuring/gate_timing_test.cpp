@@ -73,20 +73,16 @@ Pulls pulls(const Blinking& base, unsigned seed, int trials) {
 }
 
 TEST(GateTiming, ExposuresThatFillTheIntervalMeasureTheEdges) {
-  const unsigned seed = 31;
-  SCOPED_TRACE(seed);
-  const Pulls p = pulls({}, seed, 100);
+  const Pulls p = pulls({}, 31, 100);
   EXPECT_LT(p.worst, 3e-3);
   EXPECT_NEAR(p.phi, 1, 0.2);
   EXPECT_NEAR(p.dtau, 1, 0.2);
 }
 
 TEST(GateTiming, ShortExposuresBracketTheEdges) {
-  const unsigned seed = 32;
-  SCOPED_TRACE(seed);
   Blinking b;
   b.exposure = 50e-6;
-  const Pulls p = pulls(b, seed, 100);
+  const Pulls p = pulls(b, 32, 100);
   EXPECT_NEAR(p.phi, 1, 0.2);
   EXPECT_NEAR(p.dtau, 1, 0.2);
   EXPECT_LT(p.worst, b.w / b.rate);
@@ -112,7 +108,6 @@ TEST(GateTiming, CommensurateSamplingLeavesTheWholeGap) {
 
 TEST(GateTimingCampaign, DISABLED_AJitterOfTheEdgesIsSeenAndWidensTheSd) {
   const unsigned seed = 33;
-  SCOPED_TRACE(seed);
   Blinking b;
   b.jitter = 0.02;
   const Pulls p = pulls(b, seed, 60);

@@ -89,9 +89,7 @@ double p_of(const TrajectoryRun& slide) {
   Problem problem;
   problem.free = {FitParameter::mu1};
   problem.trajectory_runs = {slide};
-  FitOptions quick;
-  quick.profiles = quick.next_experiment = quick.estimate_scatter = false;
-  quick.multi_starts = 1;
+  FitOptions quick{.multi_starts = 1, .profiles = false, .next_experiment = false, .estimate_scatter = false};
   return estimate(problem, quick).p_value;
 }
 

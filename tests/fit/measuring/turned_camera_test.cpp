@@ -32,8 +32,7 @@ Problem seen_by_turned_camera(const std::vector<model::Scenario>& truth, double 
 }
 
 double lag_of(const Problem& problem) {
-  FitOptions options;
-  options.profiles = false;
+  FitOptions options{.profiles = false};
   const FitResult result = estimate(problem, options);
   EXPECT_TRUE(result.usable());
   return result.value(FitParameter::lag);
@@ -71,8 +70,7 @@ Problem lag_and_delay(const std::vector<double>& frequencies, double lag, double
 }
 
 TEST(LagAndDelay, AreToldApartByTwoFrequencies) {
-  FitOptions options;
-  options.profiles = false;
+  FitOptions options{.profiles = false};
   const FitResult both = estimate(lag_and_delay({62.8, 45.0}, 0.15, 2e-3), options);
   EXPECT_TRUE(both.usable());
   EXPECT_NEAR(both.value(FitParameter::lag), 0.15, 1e-5);

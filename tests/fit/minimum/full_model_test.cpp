@@ -121,25 +121,5 @@ TEST(FullModel, DerivativesOfTracksAreThoseUnderTheLaw) {
     expect_derivative(residuals, values, i, 1e-3 * units(i), 0.02);
 }
 
-// Derivatives of tracks do for a small step; where a minimum is said to be they are its own.
-TEST(FullModel, DerivativesOfTracksAreKeptForASmallStep) {
-  const Problem problem = strong_stribeck_of_tracks();
-  const Unknowns unknowns(problem);
-  const Eigen::VectorXd values = values_under(unknowns, 0.2);
-  const auto kept = [&](double change) {
-    Residuals residuals(unknowns);
-    Eigen::VectorXd there = values;
-    there(0) += change;
-    EXPECT_TRUE(residuals.linearise(values) && residuals.linearise(there, true));
-    return residuals.nearly_linear();
-  };
-  EXPECT_TRUE(kept(1e-5));
-  EXPECT_FALSE(kept(0.05));
-  Residuals residuals(unknowns);
-  ASSERT_TRUE(residuals.linearise(values));
-  EXPECT_TRUE(minimise_linearised(residuals, unknowns.z(values), {.decrement = 1e-3}).converged);
-  EXPECT_FALSE(residuals.nearly_linear());
-}
-
 }  // namespace
 }  // namespace tribotrack::fit::internal

@@ -24,8 +24,7 @@ Problem fourteen_runs(double lag_held = std::nan("")) {
 
 /// An error of the platform's phase stands in the lag radian for radian, and nowhere else.
 TEST(Conditions, OfThePhaseStandInTheLag) {
-  FitOptions options;
-  options.next_experiment = false;
+  FitOptions options{.next_experiment = false};
   Problem problem = fourteen_runs();
   const FitResult alone = estimate(problem, options);
   problem.conditions = {{FitParameter::phase_reference, 0.05, "sensor"}};
@@ -42,8 +41,7 @@ TEST(Conditions, OfThePhaseStandInTheLag) {
 /// With the lag held it moves the others, by as much as a fit with another lag finds.
 TEST(Conditions, MoveWhatIsFittedWhereTheLagIsHeld) {
   constexpr double kShift = 1e-3, kSd = 2e-4;  // the data tell no more of it
-  FitOptions options;
-  options.next_experiment = false;
+  FitOptions options{.next_experiment = false};
   Problem problem = fourteen_runs(0);
   problem.conditions = {{FitParameter::phase_reference, kSd, "sensor"}};
   const FitResult result = estimate(problem, options);

@@ -51,9 +51,7 @@ TEST(CorrelatedErrors, TheWalksModesAreThoseOfBrownianMotion) {
 }
 
 TEST(CorrelatedErrors, WhiteningIsThatOfTheDenseCovariance) {
-  const unsigned seed = 5;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(5);
   std::normal_distribution<double> normal;
   const int n = 90;
   const auto times = times_of(n, 100);
@@ -101,9 +99,7 @@ TEST(CorrelatedErrors, WhiteningIsThatOfTheDenseCovariance) {
 // ln |V| + ln |X' V^-1 X| + r' P r by dense matrices, start points among the unknowns: no neighbour of the
 // variances found is more likely, and the sds are those of its curvature.
 TEST(CorrelatedErrors, VariancesAreTheMostLikely) {
-  const unsigned seed = 12;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(12);
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   const test::SlowTruth slow{.drift = 2e-6, .walk = 1e-6, .circle = 1e-6, .overtones = 0.7e-6};
@@ -167,9 +163,7 @@ TEST(CorrelatedErrors, VariancesAreTheMostLikely) {
 
 // The forecast of a track like an existing one has the information of that one.
 TEST(CorrelatedErrors, AForecastCountsThem) {
-  const unsigned seed = 6;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(6);
   Problem problem;
   problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
   const model::Scenario scenario = test::scenario({}, 1, 1.2, 20);

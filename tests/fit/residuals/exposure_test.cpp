@@ -82,9 +82,8 @@ TrajectoryRun exposed(const model::Scenario& truth, double rate, double exposure
 }
 
 TEST(Exposure, ToldItMovesNoParameter) {
-  FitOptions options;
-  options.profiles = options.next_experiment = options.estimate_scatter = false;
-  options.multi_starts = 2;
+  FitOptions options{
+      .multi_starts = 2, .profiles = false, .next_experiment = false, .estimate_scatter = false};
   const model::Scenario truth = test::scenario({0.1, 0.0125, 0.1}, 0.3, pi / 2, 5);
   for (const bool platform_frame : {true, false}) {
     Problem problem;

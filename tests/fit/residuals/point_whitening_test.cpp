@@ -7,33 +7,8 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <random>
-#include <type_traits>
 
 #include "fit/tools/track_errors.h"
-
-// The covariance of a track's points by its definition in fit/tools/track_errors.h: dense and slow.
-
-namespace tribotrack::test {
-
-/// m^2, rows (x, y) of one point below the other; `added` to each coordinate's own variance.
-inline Eigen::MatrixXd dense_covariance(const fit::TrackTable& track, double added) {
-  const auto n = static_cast<Eigen::Index>(track.time.size());
-  Eigen::MatrixXd v(2 * n, 2 * n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
-      const auto first = fit::internal::point_errors(track, a),
-                 second = fit::internal::point_errors(track, b);
-      double slow = 0;
-      for (const fit::SlowError& s : track.slow)
-        slow += s.sd * s.sd * std::exp(-std::abs(track.time[a] - track.time[b]) / s.time);
-      v.block<2, 2>(2 * i, 2 * j) = first.slow * second.slow * slow * Eigen::Matrix2d::Identity();
-      if (i == j) v.block<2, 2>(2 * i, 2 * i) += first.own + added * Eigen::Matrix2d::Identity();
-    }
-  return v;
-}
-
-}  // namespace tribotrack::test
 
 namespace tribotrack::fit::internal {
 namespace {
@@ -64,17 +39,28 @@ PointWhitening whitening_of(const TrackTable& track) {
   return {track.time, own, share, track.slow};
 }
 
+/// By its definition in fit/tools/track_errors.h: rows (x, y) of one point below the other.
 Eigen::MatrixXd dense(const TrackTable& track) {
-  return test::dense_covariance(track, 1e-6);
+  const auto n = static_cast<Eigen::Index>(track.time.size());
+  Eigen::MatrixXd v(2 * n, 2 * n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+      const PointErrors first = point_errors(track, a), second = point_errors(track, b);
+      double slow = 0;
+      for (const SlowError& s : track.slow)
+        slow += s.sd * s.sd * std::exp(-std::abs(track.time[a] - track.time[b]) / s.time);
+      v.block<2, 2>(2 * i, 2 * j) = first.slow * second.slow * slow * Eigen::Matrix2d::Identity();
+      if (i == j) v.block<2, 2>(2 * i, 2 * i) += first.own + 1e-6 * Eigen::Matrix2d::Identity();
+    }
+  return v;
 }
 
 const std::vector<std::vector<SlowError>> kSlow{
     {}, {{0.8, 4}}, {{0.5, 0.3}, {0.3, 50}, {0.2, 1e4}}, {{0, 1}, {3, 20}}};
 
 TEST(PointWhitening, IsCholeskysOfTheDenseCovariance) {
-  const unsigned seed = 4;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(4);
   std::normal_distribution<double> normal;
   for (const auto& slow : kSlow) {
     const TrackTable track = track_of(60, slow, random);
@@ -91,9 +77,7 @@ TEST(PointWhitening, IsCholeskysOfTheDenseCovariance) {
 
 // Of what a sum of whitened rows scatters by, the part of the points' own noise.
 TEST(PointWhitening, TakesTheOwnNoiseOutOfASum) {
-  const unsigned seed = 5;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(5);
   std::normal_distribution<double> normal;
   for (const auto& slow : kSlow) {
     const TrackTable track = track_of(40, slow, random);
@@ -114,9 +98,7 @@ TEST(PointWhitening, TakesTheOwnNoiseOutOfASum) {
 
 // The sum of both is what the table says of each point, and nobody's own noise is negative.
 TEST(TrackErrors, AddUpToThePointsOwnCovariance) {
-  const unsigned seed = 8;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(8);
   for (const auto& slow : kSlow) {
     const TrackTable track = track_of(40, slow, random);
     for (std::size_t i = 0; i < track.time.size(); ++i) {
@@ -142,39 +124,6 @@ TEST(TrackErrors, OfADifferenceAreWhatBothPointsDoNotShare) {
   const Eigen::Matrix2d found = covariance_of_sum(track, {{0, -1}, {2, 1}});
   const double expected = 2e-12 + 2 * 4e-12 * (1 - std::exp(-2));
   EXPECT_TRUE(found.isApprox(expected * Eigen::Matrix2d::Identity(), 1e-12)) << found;
-}
-
-// Their dense covariance would fill 320 GB. Cholesky's first rows are those of the first points alone, and
-// after a break that outlasts every slow error the last ones are as if alone.
-TEST(PointWhitening, OfAHundredThousandPointsNeedsNoMatrixOfThem) {
-  const unsigned seed = 9;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  constexpr int kPoints = 100000, kAlone = 60;
-  TrackTable track = track_of(kPoints, kSlow[2], random);
-  for (int k = kPoints - kAlone; k < kPoints; ++k) track.time[static_cast<std::size_t>(k)] += 1e6;
-  const PointWhitening whitening = whitening_of(track);
-  Eigen::VectorXd errors(whitening.rows());
-  for (double& value : errors) value = normal(random);
-  Eigen::VectorXd whitened = errors;
-  whitening.apply(Eigen::Ref<Eigen::VectorXd>(whitened));
-
-  for (const int first : {0, kPoints - kAlone}) {
-    SCOPED_TRACE(first);
-    const auto alone = [&](const auto& all) {
-      return std::decay_t<decltype(all)>(all.begin() + first, all.begin() + first + kAlone);
-    };
-    TrackTable part;
-    part.slow = track.slow;
-    part.time = alone(track.time);
-    part.position = alone(track.position);
-    part.covariance = alone(track.covariance);
-    const Eigen::VectorXd expected =
-        Eigen::LLT<Eigen::MatrixXd>(dense(part)).matrixL().solve(errors.segment<2 * kAlone>(2 * first));
-    EXPECT_LT((whitened.segment<2 * kAlone>(2 * first) - expected).cwiseAbs().maxCoeff(),
-              1e-12 * expected.cwiseAbs().maxCoeff());
-  }
 }
 
 }  // namespace

@@ -32,9 +32,7 @@ TrajectoryRun track(const model::Scenario& scenario, bool platform_frame, std::m
 }
 
 TEST(Residuals, JacobianIsThatOfDifferences) {
-  const unsigned seed = 3;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(3);
   Problem problem;
   using enum FitParameter;
   problem.free = {mu1, mu2, lag, delay, amplitude, angular_frequency, scale, tilt_x, tilt_y};

@@ -84,10 +84,7 @@ std::vector<TrajectoryRun> slides_of(const std::vector<double>& mu, unsigned see
 }
 
 FitOptions quick() {
-  FitOptions options;
-  options.profiles = options.next_experiment = false;
-  options.multi_starts = 1;
-  return options;
+  return {.multi_starts = 1, .profiles = false, .next_experiment = false};
 }
 
 TEST(BetweenSlides, PooledMeanCountsTheScatter) {

@@ -12,7 +12,6 @@ namespace tribotrack::fit {
 namespace {
 
 using internal::find_blows;
-using internal::FoundBlow;
 using internal::longest_clean_stretch;
 using testing::HasSubstr;
 
@@ -106,8 +105,7 @@ TEST(Blows, TheFitUsesTheLongestCleanStretchAndSaysSo) {
   Problem problem;
   problem.free = {FitParameter::mu1};
   problem.trajectory_runs = {run};
-  FitOptions options;
-  options.profiles = options.next_experiment = false;
+  FitOptions options{.profiles = false, .next_experiment = false};
   const FitResult fit = estimate(problem, options);
   const SlideResult& slide = fit.slides.front();
   ASSERT_EQ(slide.blows.size(), 1u) << "the strike that starts the slide is none";

@@ -52,8 +52,7 @@ FitResult fit_of(const std::vector<TrajectoryRun>& runs, double slope_sd = 0) {
   problem.free = {FitParameter::mu1};
   problem.trajectory_runs = runs;
   if (slope_sd > 0) problem.conditions.push_back({FitParameter::slope, slope_sd, "test"});
-  FitOptions options;
-  options.profiles = options.next_experiment = false;
+  FitOptions options{.profiles = false, .next_experiment = false};
   return estimate(problem, options);
 }
 

@@ -11,7 +11,6 @@ namespace tribotrack::fit {
 namespace {
 
 using internal::shown_errors;
-using internal::ShownErrors;
 using internal::SlideResiduals;
 
 constexpr double kStep = 0.004;
@@ -108,8 +107,7 @@ TEST(ErrorsShown, KeepsIntervalsHonest) {
     Problem problem;
     problem.free = {FitParameter::mu1};
     problem.trajectory_runs = {run};
-    FitOptions options;
-    options.profiles = options.next_experiment = false;
+    FitOptions options{.profiles = false, .next_experiment = false};
     const Interval ci = estimate(problem, options).parameters.front().ci95;
     inside += ci.low < kMu && kMu < ci.high;
   }

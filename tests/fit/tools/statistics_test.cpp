@@ -34,14 +34,6 @@ TEST(Statistics, EdgesOfTheDistributions) {
   EXPECT_EQ(two_sided_quantile(0.95, 2e4), two_sided_quantile(0.95, HUGE_VAL));
 }
 
-TEST(Statistics, UpperMedian) {
-  EXPECT_EQ(upper_median({3, 1, 2}), 2);
-  EXPECT_EQ(upper_median({4, 1, 3, 2}), 3);
-  EXPECT_EQ(upper_median({7}), 7);
-  EXPECT_NEAR(kSdPerMad, 1 / 0.6744897501960817, 5e-5);
-  EXPECT_NEAR(kRayleighMedian, std::sqrt(2 * std::numbers::ln2), 2e-5);
-}
-
 TEST(Statistics, AutocorrelationTimeOfAFirstOrderProcess) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0, 1);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include "fit/campaign.h"
@@ -17,10 +16,7 @@ namespace {
 /// `noise`: with errors drawn; without them the refits of a law are linear.
 Problem campaign(bool noise) {
   std::mt19937 random(21);
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  for (const auto& scenario : test::fourteen({}))
-    problem.summary_runs.push_back(test::summary_run(scenario, 0.02, 0.05e-3, noise ? &random : nullptr));
+  Problem problem = test::problem_of(test::fourteen({}), 0.02, 0.05e-3, noise ? &random : nullptr);
   const model::Drive& drive = problem.summary_runs.front().scenario.drive;
   using enum FitParameter;
   problem.conditions = {{amplitude, 2e-3 * drive.amplitude, "marker"},

@@ -15,17 +15,11 @@ namespace {
 /// Fourteen runs with errors of their stated size.
 Problem noisy() {
   std::mt19937 random(7);
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  for (const auto& s : test::fourteen({}))
-    problem.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3, &random));
-  return problem;
+  return test::problem_of(test::fourteen({}), 0.01, 0.05e-3, &random);
 }
 
 FitOptions plain() {
-  FitOptions options;
-  options.profiles = options.next_experiment = options.estimate_scatter = false;
-  return options;
+  return {.profiles = false, .next_experiment = false, .estimate_scatter = false};
 }
 
 TEST(Influence, IsTheChangeOfTheFitWithoutTheRun) {

@@ -1,7 +1,6 @@
 // Ends of profiles against what they mean: a fit with the parameter held there.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <random>
 
 #include "fit/campaign.h"
@@ -13,20 +12,14 @@ namespace {
 double chi2_with(Problem problem, FitParameter parameter, double value) {
   std::erase(problem.free, parameter);
   problem.fixed[parameter] = value;
-  FitOptions search_alone;
-  search_alone.profiles = search_alone.next_experiment = search_alone.estimate_scatter = false;
+  FitOptions search_alone{.profiles = false, .next_experiment = false, .estimate_scatter = false};
   return estimate(problem, search_alone).chi2;
 }
 
 // Conditions and laws enter linearly, and what they do changes from one end of an interval to the other.
 TEST(Profile, AFitHeldAtAnEndRisesByTheLevelWhateverElseIsUncertain) {
-  const unsigned seed = 5;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  for (const auto& s : test::fourteen({}))
-    problem.summary_runs.push_back(test::summary_run(s, 0.002, 0.01e-3, &random));
+  std::mt19937 random(5);
+  Problem problem = test::problem_of(test::fourteen({}), 0.002, 0.01e-3, &random);
   problem.conditions = {
       {FitParameter::amplitude, 1.4e-6, "test"}, {FitParameter::amplitude_ratio, 0.01, "test"},
       {FitParameter::tilt_x, 0.002, "test"},     {FitParameter::tilt_y, 0.002, "test"},

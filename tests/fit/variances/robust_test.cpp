@@ -18,29 +18,15 @@ using testing::HasSubstr;
 constexpr double pi = std::numbers::pi;
 
 Problem noisy(const Truth& truth, std::mt19937& random, double alpha_sd = 0.01, double v_sd = 0.05e-3) {
-  Problem problem;
-  problem.free = {FitParameter::mu1, FitParameter::mu2, FitParameter::lag};
-  for (const auto& s : test::fourteen(truth))
-    problem.summary_runs.push_back(test::summary_run(s, alpha_sd, v_sd, &random));
-  return problem;
+  return test::problem_of(test::fourteen(truth), alpha_sd, v_sd, &random);
 }
 
 FitOptions quick() {
-  FitOptions options;
-  options.profiles = options.next_experiment = false;
-  return options;
-}
-
-TEST(Robust, WeightsAreThoseOfTheLoss) {
-  using internal::robust_weight;
-  EXPECT_EQ(robust_weight(1.9), 1);
-  EXPECT_DOUBLE_EQ(robust_weight(8), 0.25);
+  return {.profiles = false, .next_experiment = false};
 }
 
 TEST(Robust, OneBadRunDoesNotPull) {
-  const unsigned seed = 3;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(3);
   const Truth truth;
   const Problem good = noisy(truth, random);
   Problem bad = good;
@@ -68,9 +54,7 @@ TEST(Robust, OneBadRunDoesNotPull) {
 }
 
 TEST(Outliers, AMislabelledRunIsNamedWithThePhiItLooksLike) {
-  const unsigned seed = 21;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(21);
   Problem problem = noisy({}, random);
   problem.summary_runs[3].name = "swapped";
   problem.summary_runs[3].scenario.friction.phase = 3 * pi / 4 + pi / 2;  // it was filmed at 3 pi/4

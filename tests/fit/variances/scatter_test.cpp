@@ -16,10 +16,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 FitOptions quick() {
-  FitOptions options;
-  options.profiles = options.next_experiment = false;
-  options.multi_starts = 2;
-  return options;
+  return {.multi_starts = 2, .profiles = false, .next_experiment = false};
 }
 
 /// The fourteen, `times` each, with a sigma of 1e-5 m and scattering by what stands there.
@@ -45,9 +42,7 @@ Problem scattered(int times, double along, double across, std::mt19937& random, 
 }
 
 TEST(ExcessVariance, RepetitionsTellItAndChiSquareKeepsItsMeaning) {
-  const unsigned seed = 14;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(14);
   const FitResult result = estimate(scattered(3, 6e-5, 6e-5, random), quick());
   EXPECT_TRUE(result.scatter_from_replicates);
   EXPECT_EQ(result.replicate_dof, 56);

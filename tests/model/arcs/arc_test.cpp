@@ -10,19 +10,7 @@ namespace tribotrack::model {
 namespace {
 
 using laws::kPi;
-
-Scenario reference_run() {
-  Scenario s;
-  s.friction = {0.1, 0.0125, 0.5, kPi / 2, 0};
-  return s;
-}
-
-TEST(Arc, OnlyTheEndIsKnownOfARunThatIsNotDense) {
-  IntegrationOptions options;
-  options.dense = false;
-  const Trajectory t = integrate(reference_run(), options);
-  EXPECT_THROW(t.at(0.5 * t.end_time()), std::logic_error);
-}
+using laws::reference_run;
 
 /// What dense output says of a time is what a run that ends there says.
 TEST(Arc, DenseOutputInsideArcs) {

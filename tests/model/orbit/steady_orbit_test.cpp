@@ -13,12 +13,7 @@ namespace tribotrack::model {
 namespace {
 
 using laws::kPi;
-
-Scenario reference_run() {
-  Scenario s;
-  s.friction = {0.1, 0.0125, 0.5, kPi / 2, 0};
-  return s;
-}
+using laws::reference_run;
 
 TEST(SteadyOrbit, ContractionVanishesWithStick) {
   Scenario s = reference_run();
@@ -77,7 +72,6 @@ double contraction_by_differences(const Scenario& s, const Eigen::Vector2d& velo
 /// nearly the whole cycle.
 TEST(SteadyOrbit, ComesBackAfterACycle) {
   RandomScenario random(41);
-  std::cout << "seed 41\n";
   std::vector<Scenario> scenarios;
   for (int i = 0; i < 40; ++i) {
     scenarios.push_back(random.circular());

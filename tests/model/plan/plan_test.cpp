@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <iostream>
 
 #include "model/laws.h"
 #include "model/random_scenario.h"
@@ -21,9 +20,7 @@ PlanStage stage(const Scenario& s, const std::string& name) {
 }
 
 TEST(LeastDrive, NothingBelowItOnAFineGrid) {
-  const unsigned seed = 4;
-  std::cout << "seed " << seed << '\n';
-  RandomScenario random(seed);
+  RandomScenario random(4);
   for (int i = 0; i < 50; ++i) {
     const Drive d = random.general().drive;
     double least = HUGE_VAL;
@@ -36,9 +33,7 @@ TEST(LeastDrive, NothingBelowItOnAFineGrid) {
 
 /// Where the plan says that nothing sticks, nothing does.
 TEST(Plan, NoStickWhereItIsLeftOut) {
-  const unsigned seed = 12;
-  std::cout << "seed " << seed << '\n';
-  RandomScenario random(seed);
+  RandomScenario random(12);
   int without = 0;
   for (int i = 0; i < 200; ++i) {
     Scenario s = random.general();

@@ -21,24 +21,6 @@ Scenario slide(double mu, double speed, double spin_ratio, double radius = 0.015
   return s;
 }
 
-TEST(SpinningSlide, FollowsBruteForce) {
-  const double mu = 0.17, speed = 0.6, time_unit = speed / (mu * 9.81), length_unit = speed * time_unit;
-  for (const double ratio : {0.5, 1.0, 2.0}) {
-    SCOPED_TRACE(ratio);
-    const test::UnitSlide truth(ratio);
-    const Trajectory run = integrate(slide(mu, speed, ratio));
-    for (const double t : {0.1, 0.5, 0.9, 1.0, 1.4}) {
-      const Sample at = run.at(t * time_unit);
-      EXPECT_NEAR(at.position.norm() / length_unit, truth.x(t), 1e-6) << t;
-      EXPECT_NEAR(at.angle * 0.0155 / length_unit, truth.rim(t), 1e-5) << t;
-      EXPECT_NEAR(0.8 * at.position.y(), 0.6 * at.position.x(), 1e-14) << "the path is straight";
-    }
-    EXPECT_EQ(run.summary().stops, 1);
-    EXPECT_NEAR(run.end_time() - run.summary().stick_time, truth.stop_time() * time_unit, 3e-4 * time_unit);
-    EXPECT_GT(truth.stop_time(), 1.03) << "a spinning disc is braked less";
-  }
-}
-
 TEST(SpinningSlide, WithoutSpinItIsTheParabola) {
   IntegrationOptions options;
   options.derivatives = {Parameter::mu1, Parameter::velocity_x, Parameter::spin};

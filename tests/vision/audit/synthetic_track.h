@@ -1,7 +1,6 @@
 // Tracks and halves whose errors are drawn from known laws.
 #pragma once
 
-#include <cmath>
 #include <functional>
 #include <random>
 #include <vector>

@@ -61,14 +61,6 @@ double halves(const Audit& audit) {
   return std::hypot(audit.halves_x.value(), audit.halves_y.value()) / std::sqrt(2.0);
 }
 
-TEST(AuditOfATrack, WhiteNoiseIsAsTheModelSays) {
-  const Tracked found = tracked(0);
-  EXPECT_NEAR(halves(found.audit), 1, 0.1);
-  EXPECT_NEAR(found.audit.high_frequency.value(), 1, 0.15);
-  EXPECT_LT(std::sqrt(found.audit.white_factor), 1.05);
-  EXPECT_EQ(found.warnings, 0U);
-}
-
 TEST(AuditOfATrack, CorrelatedNoiseIsSeenAndCounted) {
   const Tracked found = tracked(4);
   // Gain and offset take part of what is alike all over a half.

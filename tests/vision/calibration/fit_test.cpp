@@ -134,11 +134,6 @@ TEST(CalibrateCamera, ACheckerboardGivesBackCameraAndPlane) {
   EXPECT_NEAR(r.calibration.lens.fx, camera.f, 5 * f_sd);
   EXPECT_LT(f_sd, 0.01 * camera.f);
   const double error = worst_distance_error(r, camera, where[0]);
-  std::printf(
-      "checkerboard: %s, rms %.4f px, f %.2f +- %.2f, k1 %.4f, mm/px %.6f +- %.2g, distances within %.4f "
-      "px\n",
-      r.model.c_str(), r.rms_px, r.calibration.lens.fx, f_sd, r.calibration.lens.k1, r.calibration.mm_per_px,
-      r.calibration.mm_per_px_sd, error);
   EXPECT_LT(error, 0.02);
   EXPECT_NE(r.model, "no distortion") << "0.25 of distortion pays";
 }

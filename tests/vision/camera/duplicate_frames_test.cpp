@@ -46,12 +46,5 @@ TEST(RepeatedFrames, EverySecondPictureMeansALowerRate) {
   EXPECT_THAT(findings(find_repeated_frames(source, 1000), source), ElementsAre(HasSubstr("lower rate")));
 }
 
-TEST(RepeatedFrames, NothingToSay) {
-  auto source = showing({1, 2, 3, 3});
-  EXPECT_THAT(find_repeated_frames(source, 3).repeated, IsEmpty()) << "only the first three";
-  auto single = showing({1});
-  EXPECT_THAT(findings(find_repeated_frames(single, 3), single), IsEmpty());
-}
-
 }  // namespace
 }  // namespace tribotrack::vision

@@ -52,9 +52,7 @@ TEST(DiscFit, ClickTwoPixelsOffIsMadeExact) {
 }
 
 TEST(DiscFit, RadiusSdIsRight) {
-  constexpr unsigned seed = 77;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(77);
   double standardised = 0;
   constexpr int n = 150;
   for (int k = 0; k < n; ++k) {
@@ -65,12 +63,10 @@ TEST(DiscFit, RadiusSdIsRight) {
     const double z = (fit->circle.radius - radius) / fit->radius_sd;
     standardised += z * z / n;
   }
-  std::printf("radius: rms of standardised errors %.3f\n", std::sqrt(standardised));
   // The scatter of an rms over 150 draws is 6 %.
   EXPECT_NEAR(std::sqrt(standardised), 1, 0.18);
 }
 
-/// A disc followed from frame to frame is where a search of its own finds it, though the lamp flickers.
 TEST(DiscFit, DefocusIsMeasuredNotMistakenForRadius) {
   TestScene scene = scene_with(50.2, 50.9, 30, 170, 101);
   scene.blur = 3;
@@ -131,9 +127,7 @@ TEST(FindDiscs, MarkerIsFoundApartFromTheDisc) {
 
 /// Nothing that is as large is missed, and the first is the same.
 TEST(FindDiscs, SearchesForLessFindTheSame) {
-  constexpr unsigned seed = 5;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(5);
   for (const double radius : {9.0, 22.0, 47.0, 75.0}) {
     TestScene scene = scene_with(130.4, 121.7, radius, 170, 400);
     scene.height = 300;

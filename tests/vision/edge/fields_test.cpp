@@ -29,16 +29,6 @@ TEST(Bands, AddUpToTheSeriesAndShareWhiteNoiseAsStated) {
     EXPECT_NEAR(squares[b] / static_cast<double>(series.size()), shares[b], 0.1 * shares[b]) << b;
 }
 
-TEST(Bands, WhatIsConstantIsSlow) {
-  const std::vector<float> series(80, 5);
-  const std::size_t ends[] = {80};
-  const Bands bands = split_bands(series, 1, ends);
-  for (std::size_t k = 0; k < series.size(); ++k) {
-    EXPECT_NEAR(bands[0][k], 0, 1e-5);
-    EXPECT_NEAR(bands[2][k], 5, 1e-5);
-  }
-}
-
 TEST(RayFields, EndAtTheEdgeAndBeginThere) {
   const RayGrid grid = ray_grid(30);
   const RimOptics rim{0, 0.5, 2};

@@ -72,7 +72,6 @@ TEST(SeenEdge, KnowsWhatTheGroundBeyondTheRimDoes) {
     variance += mean->radius_sd * mean->radius_sd / kCount;
   }
   const double ratio = std::sqrt(squares / variance);
-  std::printf("mean error %+.4f px, rms %.4f, over sd %.2f\n", sum, std::sqrt(squares), ratio);
   EXPECT_GT(ratio, 0.5);
   EXPECT_LT(ratio, 1.45);
 }
@@ -87,8 +86,6 @@ TEST(SeenEdge, HoldsUnderMotionBlur) {
     MemorySource source(disc.smeared(), 250);
     const auto mean = seen_in(source, SlidingDisc::kFrames, radius, [&](int k) { return disc.pose(k).disc; });
     ASSERT_TRUE(mean);
-    std::printf("radius %g: error %+.4f, sd %.4f px\n", radius, mean->circle.radius - radius,
-                mean->radius_sd);
     squares += std::pow((mean->circle.radius - radius) / mean->radius_sd, 2);
     EXPECT_LT(std::abs(mean->circle.radius - radius) / radius, 0.002);
     ++count;

@@ -146,21 +146,6 @@ TEST_F(FrameSinkTest, LevelsAreRoundedAndClipped) {
   EXPECT_THAT(read.levels(), ::testing::ElementsAre(0, 0, 1, 254, 255, 255, 255, 0));
 }
 
-TEST_F(FrameSinkTest, OverlaysInColour) {
-  std::vector<unsigned char> rgb(32 * 24 * 3);
-  for (std::size_t i = 0; i < rgb.size(); i += 3) rgb[i] = 200, rgb[i + 1] = 100, rgb[i + 2] = 50;
-  for (const char* name : {"a.mp4", "a.avi"}) {
-    const auto sink = create_sink(file(name), {.width = 32, .height = 24, .frame_rate_hz = 25});
-    sink->write_rgb(32, 24, rgb.data());
-    sink->close();
-    const auto source = open_source(file(name));
-    EXPECT_TRUE(source->info().colour) << name;
-    EXPECT_NEAR(source->read(0).at(10, 10), 0.299 * 200 + 0.587 * 100 + 0.114 * 50, 1.5) << name;
-  }
-  const auto cine = create_sink(file("a.cine"), {.width = 32, .height = 24});
-  EXPECT_THROW(cine->write_rgb(32, 24, rgb.data()), InputError);
-}
-
 TEST_F(FrameSinkTest, WhatCannotBeWrittenIsRefusedAtOnce) {
   for (const char* name :
        {"missing/a.cine", "missing/a.mkv", "missing/a.avi", "missing/a.mp4", "missing/a%d.png", "a.xyz"})

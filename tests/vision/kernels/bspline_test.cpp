@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
 
 namespace tribotrack::vision {
@@ -35,9 +34,7 @@ TEST(QuinticSpline, ReproducesPolynomialsOfDegreeFive) {
 }
 
 TEST(QuinticSpline, PassesThroughEveryPixelUpToTheBorder) {
-  constexpr unsigned seed = 20;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(20);
   std::uniform_real_distribution<float> level(0, 255);
   for (const auto& [width, height] : {std::pair{17, 9}, {5, 40}, {3, 3}}) {
     Picture picture(width, height);
@@ -49,9 +46,7 @@ TEST(QuinticSpline, PassesThroughEveryPixelUpToTheBorder) {
 }
 
 TEST(QuinticSpline, WindowIsTheSameAsPlaceByPlace) {
-  constexpr unsigned seed = 21;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(21);
   std::uniform_real_distribution<float> level(0, 255);
   Picture picture(30, 22);
   for (float& l : picture.levels()) l = level(random);
@@ -71,9 +66,7 @@ TEST(QuinticSpline, WindowIsTheSameAsPlaceByPlace) {
 }
 
 TEST(QuinticSpline, NoiseGainMatchesInterpolatedWhiteNoise) {
-  constexpr unsigned seed = 22;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(22);
   std::normal_distribution<float> normal(0, 1);
   Picture noise(400, 400);
   for (float& l : noise.levels()) l = normal(random);

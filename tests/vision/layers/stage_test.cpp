@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 
 #include "vision/layered_scenes.h"
 
@@ -28,13 +27,6 @@ const PlanStage& stage(const TrackSummary& summary) {
   throw std::logic_error("no stage 'layers' in the plan");
 }
 
-TrackErrors report(const char* name, const TrackResult& result, const SlidingScene& s, double bound) {
-  const TrackErrors e = errors_of(result.track, s);
-  std::printf("%s: rms %.5f px, %.3f x bound, standardised %.3f, drift %.5f px\n", name, e.rms, e.rms / bound,
-              e.standardised, e.drift);
-  return e;
-}
-
 TEST(LayeredStage, BrushedPlatformIsTrackedNearTheBoundWithTrueErrors) {
   SlidingScene s;
   SceneSource source(s);
@@ -43,7 +35,7 @@ TEST(LayeredStage, BrushedPlatformIsTrackedNearTheBoundWithTrueErrors) {
   EXPECT_TRUE(result.summary.layered);
   EXPECT_TRUE(stage(result.summary).on);
   EXPECT_TRUE(result.summary.warnings.empty());
-  const TrackErrors e = report("brushed", result, s, s.bound());
+  const TrackErrors e = errors_of(result.track, s);
   EXPECT_LT(e.rms, 1.3 * s.bound());
   EXPECT_GT(e.standardised, 0.9);
   EXPECT_LT(e.standardised, 1.15);
@@ -96,7 +88,7 @@ TEST(LayeredStage, IsLeftOutWhereThereIsNothingToLearn) {
   EXPECT_TRUE(left_out.reason.starts_with("nothing to learn")) << left_out.reason;
   ASSERT_TRUE(left_out.error_bound_px);
   EXPECT_LT(*left_out.error_bound_px, s.bound());
-  const TrackErrors e = report("nothing to learn", result, s, s.bound());
+  const TrackErrors e = errors_of(result.track, s);
   EXPECT_LT(e.rms, 1.1 * s.bound());
   // Asked for, it is tried.
   TrackOptions asked = with_marker(s);
@@ -115,7 +107,7 @@ TEST(LayeredStage, VignettingSpinAndHighlightLeaveNoDrift) {
   SceneSource source(s);
   const TrackResult result = track(source, with_marker(s));
   EXPECT_TRUE(result.summary.layered);
-  const TrackErrors e = report("all together", result, s, s.bound());
+  const TrackErrors e = errors_of(result.track, s);
   EXPECT_LT(e.rms, 1.3 * s.bound());
   EXPECT_LT(e.drift, 0.005);
   EXPECT_GT(e.standardised, 0.9);
@@ -130,7 +122,7 @@ TEST(LayeredStage, RestingPlatformNeedsNoMarker) {
   SceneSource source(s);
   const TrackResult result = track(source, {});
   EXPECT_TRUE(result.summary.layered);
-  const TrackErrors e = report("at rest", result, s, s.bound());
+  const TrackErrors e = errors_of(result.track, s);
   EXPECT_LT(e.rms, 1.15 * s.bound());
   EXPECT_LT(e.drift, 0.005);
 }
@@ -147,7 +139,7 @@ TEST(LayeredStage, PlainPlatformIsAtTheBound) {
     TrackOptions options = with_marker(s);
     options.layers = Layers::on;
     const TrackResult result = track(source, options);
-    const TrackErrors e = report("plain", result, s, s.bound());
+    const TrackErrors e = errors_of(result.track, s);
     const double scatter = 2 / std::sqrt(4.0 * frames);
     EXPECT_LT(e.rms, (1.04 + scatter) * s.bound());
     EXPECT_GT(e.standardised, 0.97 - scatter);

@@ -6,7 +6,6 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "vision/scene.h"
 
@@ -114,13 +113,6 @@ Errors errors_of(const GroundMotion& motion, const Circling& s) {
     e.phase_off[axis] = std::arg(ratio);
     e.amplitude_sd[axis] = std::sqrt(2 * reported(axis, axis) / n) / s.circle_px;
   }
-  std::printf(
-      "  %d frames, along %.4f (sd %.4f) across %.4f (sd %.4f) px, error/sd %.2f; amplitude off %.2f %.2f, "
-      "phase "
-      "off %.2f %.2f (1e-3), sd %.2f %.2f\n",
-      e.found, e.along, e.sd_along, e.across, e.sd_across, e.ratio, 1e3 * e.amplitude_off[0],
-      1e3 * e.amplitude_off[1], 1e3 * e.phase_off[0], 1e3 * e.phase_off[1], 1e3 * e.amplitude_sd[0],
-      1e3 * e.amplitude_sd[1]);
   return e;
 }
 
@@ -182,7 +174,6 @@ TEST(GroundMotion, BrushedGroundTellsItsMotionToTheLimitInBothDirections) {
   const Errors e = errors_of(motion, s);
   expect_right(e, s);
   const Eigen::Vector2d limit = bound(s);
-  std::printf("  limit along %.4f across %.4f px\n", limit[0], limit[1]);
   // The limit knows the ground, and counts the places beside the border and the part.
   EXPECT_LT(e.along, 1.4 * limit[0]);
   EXPECT_LT(e.across, 1.3 * limit[1]);

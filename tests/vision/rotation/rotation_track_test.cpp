@@ -70,7 +70,6 @@ TEST(RotationTrack, FollowsASpinThroughSeveralTurnsToItsSd) {
     const auto seen = follow_rotation(source, s.placed(), 22, 0.8);
     ASSERT_EQ(seen.size(), 60U);
     const double ratio = standardised(s, seen);
-    std::printf("%.3f rad a frame: sd %.5f rad, error over sd %.2f\n", rate, seen.back()->sigma, ratio);
     EXPECT_LT(ratio, 2);
     EXPECT_GT(ratio, 0.2);
     EXPECT_LT(seen.back()->sigma, 0.03);
@@ -108,7 +107,6 @@ TEST(RotationTrack, ScattersFromFrameToFrameAsItsSdSays) {
     square += 0.5 * std::pow(seen[k]->theta - seen[k - 1]->theta, 2);
     variance += std::pow(seen[k]->sigma, 2);
   }
-  std::printf("scatter over sd %.3f\n", std::sqrt(square / variance));
   EXPECT_LT(std::sqrt(square / variance), 1.2);
   EXPECT_GT(std::sqrt(square / variance), 0.7);
 }

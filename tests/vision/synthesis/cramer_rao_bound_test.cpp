@@ -4,8 +4,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-
-#include "vision/plain_disc_bound.h"
+#include <numbers>
 
 namespace tribotrack::vision {
 namespace {
@@ -27,6 +26,12 @@ std::function<ScenePose(double)> at_rest(Point disc, Point platform = {}) {
   return [=](double) { return ScenePose{disc, 0.4, platform}; };
 }
 
+/// For one coordinate of a plain disc at rest on a plain platform under white noise: (sigma / A) sqrt(2 s /
+/// (sqrt(pi) R)), s the edge's sd with the pixel's own 1/12 px^2, sigma with the 1/12 of rounding.
+double plain_disc_bound(double radius_px, double contrast, double edge_sd_px, double noise_sd) {
+  return noise_sd / contrast * std::sqrt(2 * edge_sd_px / (std::sqrt(std::numbers::pi) * radius_px));
+}
+
 TEST(PositionBound, TendsToTheClosedFormOnAPlainPlatform) {
   for (const double radius : {12.0, 30.0, 60.0}) {
     for (const double blur : {0.5, 0.8, 1.5}) {
@@ -35,8 +40,8 @@ TEST(PositionBound, TendsToTheClosedFormOnAPlainPlatform) {
       const double middle = scene.width / 2.0 - 0.4;
       const Eigen::Matrix2d bound =
           position_bound(SceneRenderer(scene), 0, 0, at_rest({middle, middle + 0.3}));
-      const double closed = test::plain_disc_bound(radius, 90, std::sqrt(blur * blur + 1.0 / 12),
-                                                   std::sqrt(1.5 * 1.5 + 1.0 / 12));
+      const double closed =
+          plain_disc_bound(radius, 90, std::sqrt(blur * blur + 1.0 / 12), std::sqrt(1.5 * 1.5 + 1.0 / 12));
       EXPECT_NEAR(std::sqrt(bound(0, 0)) / closed, 1, 0.01) << radius << " " << blur;
       EXPECT_NEAR(std::sqrt(bound(1, 1)) / closed, 1, 0.01) << radius << " " << blur;
       EXPECT_NEAR(bound(0, 1) / bound(0, 0), 0, 0.01);

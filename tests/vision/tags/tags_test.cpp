@@ -182,13 +182,8 @@ TEST_F(FollowedTag, IsThePlatformsMarkAndScale) {
 }
 
 TEST_F(FollowedTag, MustBeThereAndBeSaidWhereThereAreSeveral) {
-  const auto complaint = [](const std::filesystem::path& path, std::optional<int> id) -> std::string {
-    try {
-      track(*open_source(path), options(id));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+  const auto complaint = [](const std::filesystem::path& path, std::optional<int> id) {
+    return refusal_of([&] { track(*open_source(path), options(id)); });
   };
   EXPECT_THAT(complaint(recording(), 11), testing::HasSubstr("no tag apriltag_36h11:11 is seen"));
   EXPECT_THAT(complaint(recording(11), {}), testing::HasSubstr("say which is the mark: apriltag_36h11:3"));

@@ -1,12 +1,9 @@
 // Parts that change their look as they turn: brushed metal under a lamp.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <random>
-#include <string>
 
 #include "vision/analytic_scene.h"
 #include "vision/circle_fit_judge.h"
@@ -88,8 +85,6 @@ TEST(TurningMetal, IsFoundInEveryFrameBetterThanByACircleFit) {
     return std::sqrt((e.rowwise() - e.colwise().mean()).squaredNorm() / (2 * kFrames));
   };
   const double standardised = rms(ours) / std::sqrt(sd.array().square().mean());
-  std::printf("rms %.4f px, of the circle fit %.4f; standardised %.2f\n%s\n", rms(ours), rms(judged),
-              standardised, stage.reason.c_str());
   EXPECT_LT(rms(ours), 0.5 * rms(judged));
   EXPECT_GT(standardised, 0.7);
   EXPECT_LT(standardised, 1.6);
@@ -107,8 +102,6 @@ TEST(TurningMetal, ShadingThatTurnsALittleIsNotTakenForMotion) {
   }
   const double rms = std::sqrt((errors.rowwise() - errors.colwise().mean()).squaredNorm() / (2 * kFrames));
   const double standardised = rms / std::sqrt(sd.array().square().mean());
-  std::printf("rms %.4f px, standardised %.2f\n%s\n", rms, standardised,
-              edge_stage_of(result).reason.c_str());
   EXPECT_GT(standardised, 0.7);
   EXPECT_LT(standardised, 1.6);
 }
@@ -140,9 +133,6 @@ TEST(TurningMetal, BehindAWideChamferTheOuterEdgeIsFollowed) {
     options.target = {Target::Kind::disc, {centre(0).x, centre(0).y, level < 100 ? kTop : kOuter}, {}};
     TrackResult result = track(source, options);
     const test::TrackErrors errors = test::errors_of(result.track, centre);
-    std::printf("rms %.4f px, standardised %.2f; radius %.2f(%.2f)\n%s\n", errors.rms, errors.standardised,
-                result.summary.outer_radius, result.summary.outer_radius_sd,
-                edge_stage_of(result).reason.c_str());
     EXPECT_EQ(errors.count, kShort);
     EXPECT_LT(errors.standardised, 1.6);
     EXPECT_NEAR(result.summary.outer_radius, kOuter, 2 * result.summary.outer_radius_sd) << level;

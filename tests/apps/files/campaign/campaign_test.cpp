@@ -89,43 +89,6 @@ kind = "free_slide"
   EXPECT_TRUE(c.warnings.empty());
 }
 
-// What the tables of refusals do not state.
-TEST_F(CampaignTest, MistakesAreNamedWithTheirPlace) {
-  EXPECT_THAT(complaint("amplitude_mm = 0.28\n" + kRun), HasSubstr("does not belong here but in [platform]"));
-  EXPECT_THAT(complaint("[fit]\n[fit.fixed]\nmu1 = -0.1\n" + kRun), HasSubstr("c.toml:3:1: `mu1`"));
-  EXPECT_THAT(complaint("[fit]\n[fit.prior]\nmu3 = { mean = 0.1, sd = 1 }\n" + kRun),
-              HasSubstr("did you mean \"mu1\""));
-  EXPECT_THAT(complaint("[scope]\nsensor_channel = 7\n" + kRun), HasSubstr("between 0 and 4, not 7"));
-  EXPECT_THAT(complaint("[camera]\nframe_rate_reason = \"x\"\n" + kRun), HasSubstr("needs `frame_rate_hz`"));
-}
-
-// Guesses once stood in [fit.start], beside `start = "rest"`: TOML calls that one key twice.
-TEST_F(CampaignTest, TheOldTableOfGuessesIsRefusedWithTheNewName) {
-  for (const char* before : {"[fit]\nstart = \"rest\"\n", "[fit]\n", "[fit]\ncycles = 3\n"}) {
-    const std::string text = complaint(before + std::string("[fit.start]\nmu1 = 0.12\n") + kRun);
-    EXPECT_THAT(text, HasSubstr("[fit.guess]")) << before;
-    EXPECT_THAT(text, HasSubstr("c.toml:")) << before;
-  }
-}
-
-TEST_F(CampaignTest, AnSdStandsBesideItsQuantity) {
-  const Campaign c = read(
-      "[platform]\namplitude_mm = 0.28\namplitude_mm_sd = 0.001\nphase_shift_rad = 1.5\n"
-      "phase_shift_rad_sd = \"pi/180\"\n[part]\ndiameter_mm = 6\ndiameter_mm_sd = 0.01\n"
-      "[camera]\nxi_axis_rad = 0.1\nxi_axis_rad_sd = 0.02\n" +
-      kRun + "phi_rad_sd = 0.003\n");
-  EXPECT_DOUBLE_EQ(*c.platform.amplitude_sd, 1e-6);
-  EXPECT_DOUBLE_EQ(*c.platform.phase_shift_sd, pi / 180);
-  EXPECT_EQ(c.part.diameter_sd_mm, 0.01);
-  EXPECT_EQ(*c.camera.xi_axis_sd_rad, 0.02);
-  EXPECT_EQ(*c.runs[0].phi_sd, 0.003);
-  const Json json = c.effective_configuration();
-  EXPECT_EQ(json["platform"]["amplitude_mm_sd"], 0.001);
-  EXPECT_TRUE(json["platform"]["gravity_m_s2_sd"].is_null());
-  EXPECT_EQ(json["runs"][0]["phi_rad_sd"], 0.003);
-  EXPECT_EQ(json["camera"]["xi_axis_rad_sd"], 0.02);
-}
-
 TEST_F(CampaignTest, WhatNoLaboratoryHasIsRefused) {
   EXPECT_THAT(complaint("[platform]\namplitude_y_mm = 1e150\n" + kRun),
               HasSubstr("c.toml:2:1: `amplitude_y_mm` in [platform] cannot be 1e+150: nothing here has more "

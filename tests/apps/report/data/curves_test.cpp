@@ -162,13 +162,6 @@ TEST(ReportModelPath, BeginsWhereThePartWasFirstMeasured) {
   EXPECT_TRUE(std::isnan(run.model_x_mm[200]));  // 10 cycles end before 1.01 s
 }
 
-TEST(ReportModelPath, OfAMotionThatTakesTooLongIsLeftOutAndSaid) {
-  ReportRun run = resting_run();
-  EXPECT_FALSE(add_model_path(run, 5));
-  EXPECT_TRUE(run.model_x_mm.empty());
-  EXPECT_FALSE(run.cycle_x_mm.empty());
-}
-
 }  // namespace
 
 }  // namespace tribotrack::apps

@@ -88,25 +88,6 @@ TEST(Dependence, BelowStandTheResidualsInStandardDeviations) {
   EXPECT_NEAR(path_of(first(dependence_figures(data)[0].panels[1], "markers")).y[0], 1, 1e-9);
 }
 
-TEST(Dependence, MoreGroupsThanALegendHoldsAreToldApartByColour) {
-  ReportData data = sample::campaign();
-  const ReportGroup group = data.over_phi[0];
-  for (int k = 1; k < 12; ++k) {
-    data.over_phi.push_back(group);
-    data.over_phi.back().shared_rad += 0.1 * k;
-  }
-  const Figure figure = dependence_figures(data)[0];
-  const Json& scale = figure.colour_bar["marker"];
-  EXPECT_NEAR(scale["cmax"].get<double>() - scale["cmin"].get<double>(), 1.1, 1e-12);
-  for (const Panel& panel : figure.panels)
-    for (const Json& trace : panel.traces) {
-      EXPECT_FALSE(trace["showlegend"]);
-      EXPECT_FALSE(trace.contains("fill"));
-    }
-  EXPECT_EQ(first(figure.panels[0], "lines")["line"]["color"], scale["colorscale"][0][1]);
-  EXPECT_EQ(figure.panels[0].traces.back()["marker"]["color"], scale["colorscale"].back()[1]);
-}
-
 }  // namespace
 
 // The figures besides those of alpha and v: trajectories, residuals, parameters, single runs.
@@ -117,17 +98,6 @@ Figure figure(const std::vector<Figure>& figures, const std::string& id) {
   const auto found = std::ranges::find(figures, id, &Figure::id);
   if (found == figures.end()) throw std::runtime_error("no figure " + id);
   return *found;
-}
-
-TEST(ReportFigures, EachHasItsAxesSettledAndAnAlternative) {
-  for (Figure f : campaign_figures(sample::campaign())) {
-    settle_axes(f);
-    EXPECT_NE(f.alternative, "") << f.id;
-    for (const Panel& panel : f.panels) {
-      if (panel.traces.empty()) continue;
-      for (const Json& axis : {panel.x, panel.y}) EXPECT_LT(axis["range"][0], axis["range"][1]) << f.id;
-    }
-  }
 }
 
 TEST(ReportFigures, TrajectoriesHoldPathModelAndCycleMarksWithTheGapsOfTheTrack) {
@@ -184,16 +154,6 @@ TEST(ReportFigures, PairsLieInTheirRegions) {
     const double x = (outer.x[i] - a.estimate) / a.sd, y = (outer.y[i] - b.estimate) / b.sd;
     EXPECT_NEAR((x * x - 2 * r * x * y + y * y) / (1 - r * r), -2 * std::log(0.05), 1e-9);
   }
-}
-
-TEST(ReportFigures, ARunOverTimeShowsWhereThePartWasLost) {
-  const ReportData data = sample::campaign();
-  const Figure f = run_figures(data, 7).front();
-  EXPECT_EQ(f.id, "run-8");
-  ASSERT_EQ(f.panels.size(), 4u);  // position, residual, sigma, score; the part does not turn
-  ASSERT_EQ(f.panels[0].shapes.size(), 1u);
-  EXPECT_NEAR(f.panels[0].shapes[0]["x0"].get<double>(), 200 / 250.0, 1e-12);
-  EXPECT_NEAR(f.panels[0].shapes[0]["x1"].get<double>(), 203 / 250.0, 1e-12);
 }
 
 }  // namespace

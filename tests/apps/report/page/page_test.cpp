@@ -30,11 +30,6 @@ std::string page_of(const ReportData& data) {
 
 constexpr int figures_of_the_sample = 9;  // 4 dependences, trajectories, residuals, corner, influence, slide
 
-TEST(ReportPage, TheSameDataGiveTheSameBytes) {
-  EXPECT_TRUE(page_of(sample::campaign(3)) == page_of(sample::campaign(3)));
-  EXPECT_FALSE(page_of(sample::campaign(3)) == page_of(sample::campaign(4)));
-}
-
 TEST(ReportPage, NothingItIsGivenBecomesMarkup) {
   const std::string hostile = "<script>boom()</script>{{plotly}}\"'&";
   ReportData data = sample::campaign();
@@ -79,14 +74,6 @@ TEST(ReportPage, HoldsEverySectionOfTheSample) {
   EXPECT_TRUE(holds(page, "phi90_dtau90.cine ends after 212 of 500 images"));
   EXPECT_TRUE(holds(page, "<td class=\"n\">500 / 3 / 0 / 0</td>"));
   EXPECT_TRUE(holds(page, "xxh3-128:0123456789abcdef0123456789abcdef"));
-}
-
-TEST(ReportPage, ForbidsTheBrowserToFetch) {
-  const std::string page = page_of(sample::campaign());
-  EXPECT_TRUE(holds(page,
-                    "Content-Security-Policy\" content=\"default-src 'none'; img-src data: blob:; "
-                    "style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'; "
-                    "form-action 'none'\""));
 }
 
 /// Every table, as wide as it gets.

@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 class ContainmentTest : public RecordingTest {
  protected:
   static SinkOptions options() { return {.width = 48, .height = 32, .frame_rate_hz = 240}; }
-  std::string refusal_of(const std::string& text, const std::string& name = "a.mp4") {
+  std::string refusal(const std::string& text, const std::string& name = "a.mp4") {
     write_bytes(file(name), FileBytes(text.begin(), text.end()));
     return input_error(file(name));
   }
@@ -36,7 +36,7 @@ TEST_F(ContainmentTest, WhatLeadsElsewhereIsNotFollowed) {
         "ffconcat version 1.0\nfile " + target + "\n",
         std::string("v=0\no=- 0 0 IN IP4 127.0.0.1\nc=IN IP4 127.0.0.1\nm=video 5004 RTP/AVP 26\n"),
         std::string("<?xml version=\"1.0\"?><MPD xmlns=\"urn:mpeg:dash:schema:mpd:2011\"></MPD>")})
-    EXPECT_THAT(refusal_of(text), AllOf(HasSubstr("a.mp4"), HasSubstr("no video"))) << text;
+    EXPECT_THAT(refusal(text), AllOf(HasSubstr("a.mp4"), HasSubstr("no video"))) << text;
 }
 
 TEST_F(ContainmentTest, OtherContainersAreNamedWithTheRemedy) {
@@ -44,7 +44,7 @@ TEST_F(ContainmentTest, OtherContainersAreNamedWithTheRemedy) {
       "GIF89a\x08\x00\x08\x00\x80\x00\x00\x00\x00\x00\xFF\xFF\xFF!\xF9\x04\x00\x0A\x00\x00"
       "\x00,\x00\x00\x00\x00\x08\x00\x08\x00\x00\x02\x07\x84\x8F\xA9\xCB\xED]\x00;",
       48);
-  EXPECT_THAT(refusal_of(gif, "a.gif"),
+  EXPECT_THAT(refusal(gif, "a.gif"),
               AllOf(HasSubstr("no video of a kind that is read"), HasSubstr("MP4"), HasSubstr("ffmpeg -i")));
 }
 
@@ -59,9 +59,9 @@ TEST_F(ContainmentTest, OtherCodingsAreNamedWithTheRemedy) {
 }
 
 TEST_F(ContainmentTest, SizesAreCheckedBeforeDecoding) {
-  EXPECT_THAT(refusal_of("YUV4MPEG2 W10000 H10000 F25:1 Ip A1:1 C420\nFRAME\n....", "a.y4m"),
+  EXPECT_THAT(refusal("YUV4MPEG2 W10000 H10000 F25:1 Ip A1:1 C420\nFRAME\n....", "a.y4m"),
               AllOf(HasSubstr("10000 x 10000"), HasSubstr("too large")));
-  EXPECT_EQ(refusal_of("YUV4MPEG2 W2 H2 F25:1 Ip A1:1 Cmono\nFRAME\nabcd", "a.y4m"), "");
+  EXPECT_EQ(refusal("YUV4MPEG2 W2 H2 F25:1 Ip A1:1 Cmono\nFRAME\nabcd", "a.y4m"), "");
 }
 
 TEST_F(ContainmentTest, ATableOfFramesIsNotBelieved) {

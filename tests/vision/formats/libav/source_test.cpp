@@ -5,7 +5,9 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <random>
+#include <tuple>
 
 #include "vision/recordings.h"
 #include "vision/tracking/first_pass.h"
@@ -30,9 +32,7 @@ void expect_exact_random_access(const std::filesystem::path& path, int reads) {
   const auto count = static_cast<int>(straight->info().frame_count);
   std::vector<Picture> frames;
   for (int k = 0; k < count; ++k) frames.push_back(straight->read(k));
-  constexpr unsigned seed = 17;
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(17);
   for (int i = 0; i < reads; ++i) {
     const int k = static_cast<int>(random() % static_cast<unsigned>(count));
     const Picture frame = scattered->read(k);
@@ -71,6 +71,7 @@ void write_lamp(const std::filesystem::path& path, int lit, const std::string& r
   ASSERT_EQ(std::system(command.c_str()), 0);
 }
 
+/// Without a rate given, and where ticks do not fix the rate with it.
 TEST_F(LibavSourceTest, LimitedRangeClipsAtWhiteUnlessThereAreLevelsAboveIt) {
   if (std::system("ffmpeg -version > /dev/null 2>&1") != 0)
     GTEST_SKIP() << "no ffmpeg to write such videos with";

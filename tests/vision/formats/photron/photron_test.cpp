@@ -8,7 +8,6 @@ namespace tribotrack::vision {
 namespace {
 
 using ::testing::AllOf;
-using ::testing::Contains;
 using ::testing::HasSubstr;
 
 class PhotronTest : public RecordingTest {
