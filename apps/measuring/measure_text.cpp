@@ -12,7 +12,7 @@ namespace {
 
 std::string value_text(const std::string& name, const Json& value, const Json& sd) {
   if (value.is_string()) return value.get<std::string>();
-  if (!value.is_number()) return value.is_null() ? "none" : value.dump();
+  if (!value.is_number()) return value.is_null() ? "not determined" : value.dump();
   const double number = value.get<double>();
   const bool rounded = sd.is_number() && sd.get<double>() > 0;
   const std::string text = rounded                     ? quoted(number, sd.get<double>())
