@@ -101,6 +101,38 @@ Json description_of(const vision::SourceInfo& info, const vision::RepeatedFrames
   return json;
 }
 
+void print_description(const vision::SourceInfo& info, const vision::RepeatedFrames& repeats) {
+  print("{}\n  {} ({}), {} x {} pixels, {} bits{}\n", info.path.string(), info.format, info.codec, info.width,
+        info.height, info.bits, info.colour ? ", colour" : "");
+  print("  {} frames, image numbers {} to {}\n", info.frame_count, info.first_number,
+        info.first_number + info.frame_count - 1);
+  if (info.coder) print_text(measurement_text(coding_json(info), "  coding"));
+  if (info.time_base.known())
+    print("  recorded at {:.10g} frames/s, from: {}{}\n", *info.time_base.rate_hz, info.time_base.source,
+          info.time_base.stamps_s.empty() ? "" : " (every frame has the time of its own stamp)");
+  else
+    print("  recorded at an unknown rate: {}\n  tracking needs --fps (frame_rate_hz in a campaign)\n",
+          info.time_base.why_unknown());
+  for (const auto& candidate : info.time_base.candidates)
+    print("    {} {:.10g} frames/s by {}: {}\n", candidate.accepted ? "taken   " : "rejected",
+          candidate.rate_hz, candidate.source, candidate.reason);
+  if (!info.exposures_s.empty())
+    print("  exposure {:.6g} to {:.6g} s\n", std::ranges::min(info.exposures_s),
+          std::ranges::max(info.exposures_s));
+  else if (info.exposure_s)
+    print("  exposure {:.6g} s\n", *info.exposure_s);
+  if (info.black_level && info.white_level)
+    print("  black at level {}, white at {}\n", *info.black_level, *info.white_level);
+  if (info.pixel_aspect != 1)
+    print("  pixels {:.6g} times as wide as high: to be made square before tracking\n", info.pixel_aspect);
+  if (!info.camera.empty()) print("  camera {}\n", info.camera);
+  if (!info.trigger_time.empty()) print("  triggered {}\n", info.trigger_time);
+  if (info.frame_count == 1) print("  note: one frame shows no motion: there is nothing to track\n");
+  for (const auto& note : info.notes) print("  note: {}\n", note);
+  if (repeats.looked_at < info.frame_count)
+    print("  the first {} frames were compared with the one before each\n", repeats.looked_at);
+}
+
 /// What the first frame shows, in a picture, on a page and in JSON; nothing where none of them is asked for.
 std::optional<vision::Survey> look_around(vision::FrameSource& source, const ProbeOptions& options) {
   const bool must = !options.picture.empty() || !options.page.empty();
@@ -164,15 +196,14 @@ void probe(const ProbeOptions& options) {
     info.notes.push_back(std::string("not every frame can be read: ") + error.what());
   }
   for (std::string& finding : vision::findings(repeats, *source)) info.notes.push_back(std::move(finding));
-  if (info.frame_count == 1) info.notes.push_back("one frame shows no motion: there is nothing to track");
   const auto seen = look_around(*source, options);
-  Json json = description_of(info, repeats);
   if (options.json) {
+    Json json = description_of(info, repeats);
     if (seen) json["survey"] = json_of(*seen);
     print_text(text_of(json));
     return;
   }
-  print_text(measurement_text(json));
+  print_description(info, repeats);
   if (seen) print_survey(*seen, info);
 }
 
