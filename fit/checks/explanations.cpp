@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <tuple>
 #include <utility>
 
 #include "fit/checks/run_scatter.h"
@@ -436,9 +437,6 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
   std::vector<ExplainedProblem> result;
   // By one thing for all slides: a spin of each describes nearly anything about as well.
   const auto shared = [](const Explanation& e) { return e.name != kUnseenSpin || e.dof == 1; };
-  const Explanation* first = nullptr;
-  double most = 0;  ///< gain of the first
-  result.reserve(list.size());
   for (Tested& tested : list) {
     Explanation& found = tested.found;
     const double left = best.chi2 - found.chi2_fall;
@@ -449,19 +447,25 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
     found.explains = rejected && found.refitted && gain(found, runs) > kPreferred &&
                      (found.p_after > kExplained || by_likelihood);
     result.push_back({found, found.refitted ? tested.problem() : Problem{}, tested.values, likelier});
-    const bool all = found.p_after > kExplained, all_by_first = first && first->p_after > kExplained;
-    if (!found.explains || (all == all_by_first ? likelier <= most : all_by_first)) continue;
-    first = &result.back().found;
-    most = likelier;
   }
+  if (of_slides == 0) return result;
   // Laws that brake nearly alike: of slides none is the cause alone that is not much likelier.
-  if (of_slides > 0 && first) {
-    const bool explained = first->p_after > kExplained;
-    for (auto& [found, other, values, likelier] : result)
-      found.explains = &found == first || (found.refitted && (shared(found) || found.p_after > kExplained) &&
-                                           likelier > std::max(0.0, most - kPreferred) &&
-                                           (!explained || found.p_after > kSurprise));
+  const auto rank = [&](const ExplainedProblem& e) {
+    return std::tuple(e.found.explains, shared(e.found), e.found.p_after > kExplained, e.gain);
+  };
+  const auto first = std::ranges::max_element(result, {}, rank);
+  if (first == result.end() || !first->found.explains) return result;
+  const double most = first->gain;
+  const bool explained = first->found.p_after > kExplained;
+  for (ExplainedProblem& other : result) {
+    const double p = other.found.p_after;
+    const bool near = other.gain > std::max(0.0, most - kPreferred);
+    other.found.explains =
+        other.found.refitted && (shared(other.found) ? near && (!explained || p > kSurprise)
+                                                     : p > kExplained && (!explained || near));
+    if (other.found.explains) other.gain = most;
   }
+  std::rotate(result.begin(), first, first + 1);
   return result;
 }
 

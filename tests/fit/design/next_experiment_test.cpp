@@ -10,7 +10,6 @@
 
 #include "fit/campaign.h"
 #include "fit/estimate.h"
-#include "fit/slow_tracks.h"
 #include "model/trajectory.h"
 
 namespace tribotrack::fit {
@@ -22,7 +21,11 @@ constexpr double kSigma = 1e-4;  ///< m per axis
 const Truth kTruth;
 
 FitOptions quick(bool next) {
-  return {.multi_starts = 1, .profiles = false, .next_experiment = next};
+  FitOptions options;
+  options.profiles = false;
+  options.multi_starts = 1;
+  options.next_experiment = next;
+  return options;
 }
 
 /// Filmed without noise, with a stated sigma of kSigma.
@@ -107,10 +110,25 @@ TEST(NextExperiment, ThePredictedSdIsThatOfTheFitWithIt) {
 }
 
 TEST(NextExperiment, OfTracksIsATrack) {
-  std::mt19937 random(5);
+  const unsigned seed = 5;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
   const auto track = [&](const model::Scenario& truth) {
-    TrajectoryRun run = test::slow_track(truth, 250, 2e-6, {}, random);
+    TrajectoryRun run;
+    run.name = "run";
+    run.scenario = truth;
+    run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;
+    run.scenario.friction.lag = 0;
     run.start_phase_sd = 0.01;
+    run.track.platform_frame = true;
+    std::normal_distribution<double> noise(0, 2e-6);
+    const model::Trajectory path = model::integrate(truth);
+    for (int k = 0; k <= 150; ++k) {
+      run.track.time.push_back(k * 4e-3);
+      run.track.position.push_back(path.at(k * 4e-3).position +
+                                   Eigen::Vector2d(noise(random), noise(random)));
+      run.track.covariance.push_back(4e-12 * Eigen::Matrix2d::Identity());
+    }
     return run;
   };
   Problem problem = with_runs({});
