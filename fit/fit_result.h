@@ -146,7 +146,7 @@ struct EstimateUnder {
 /// Something that the fit takes as exact and that may explain its residuals (fit/checks/explanations.h).
 struct Explanation {
   /// tilt, amplitude, amplitude_ratio, phase_shift, clock, scale, start_phase: conditions; stribeck, viscous,
-  /// mu2_speed, mu2_width, gate_edges, static_friction, wear: laws of friction; unseen_spin of a single slide;
+  /// mu2_speed, mu2_width, gate_edges, static_friction, wear: laws of friction; unseen_spin of slides;
   /// bad_run, run_scatter.
   std::string name;
   std::string run;       ///< of bad_run
@@ -232,7 +232,7 @@ struct SlideResult {
   double slope = 0;      ///< rad, as given (TrajectoryRun::slope)
   double stop_time = 0;  ///< s, the recording's; where the track ends before, of the law; may be infinite
   bool spin_seen = false;
-  Estimate spin;             ///< rad/s at the first point
+  Estimate spin;  ///< rad/s at the first point
   /// 1/s: its own, where the slides are quoted under that law.
   std::optional<Estimate> viscous = std::nullopt;
   Estimate spin_ratio;  ///< rim speed over slide speed there

@@ -458,11 +458,10 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
   const double most = first->gain;
   const bool explained = first->found.p_after > kExplained;
   for (ExplainedProblem& other : result) {
-    const double p = other.found.p_after;
     const bool near = other.gain > std::max(0.0, most - kPreferred);
     other.found.explains =
-        other.found.refitted && (shared(other.found) ? near && (!explained || p > kSurprise)
-                                                     : p > kExplained && (!explained || near));
+        other.found.refitted &&
+        (shared(other.found) ? near : other.found.p_after > kExplained && (!explained || near));
     if (other.found.explains) other.gain = most;
   }
   std::rotate(result.begin(), first, first + 1);

@@ -5,8 +5,8 @@
 
 #include "apps/program.h"
 #include "apps/program/errors.h"
-#include "apps/text/strict_toml.h"
 #include "apps/text/input_file.h"
+#include "apps/text/strict_toml.h"
 
 namespace tribotrack::apps {
 
