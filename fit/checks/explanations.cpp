@@ -30,8 +30,6 @@ struct Candidate {
   bool never_negative = false;
 };
 
-constexpr const char* kUnseenSpin = "unseen_spin";
-
 const std::vector<Candidate>& candidates() {
   using enum FitParameter;
   static const std::vector<Candidate> all = {
@@ -49,7 +47,7 @@ const std::vector<Candidate>& candidates() {
       {"gate_edges", "gate edges that take their time", "rad", 1, {gate_edges}, true},
       {"static_friction", "a higher friction at rest", "%", 100, {static_friction}, true},
       {"wear", "friction that changes in the course of the campaign", "%", 100, {wear}},
-      {kUnseenSpin, "a spin that was not seen", "of the sliding speed at the fastest edge", 1, {}}};
+      {kUnseenSpin, "a spin that was not seen", "times the sliding speed at the edge", 1, {}}};
   return all;
 }
 
@@ -364,6 +362,31 @@ double independent_points(const Residuals& residuals, Minimum best) {
   return count;
 }
 
+/// One thing for all slides, where a spin of each describes nearly anything about as well.
+bool shared(const Explanation& found) {
+  return found.name != kUnseenSpin || found.dof == 1;
+}
+
+/// Laws and spins brake nearly alike: of slides none is the cause alone that is not much likelier than
+/// others. What they share comes first; spins of each count beside it where it leaves something to explain.
+void weigh_causes_of_slides(std::vector<ExplainedProblem>& list) {
+  const auto rank = [](const ExplainedProblem& e) {
+    return std::tuple(e.found.explains, shared(e.found), e.found.p_after > kExplained, e.gain);
+  };
+  const auto first = std::ranges::max_element(list, {}, rank);
+  if (first == list.end() || !first->found.explains) return;
+  const double most = first->gain;
+  const bool explained = first->found.p_after > kExplained;
+  for (ExplainedProblem& other : list) {
+    const bool near = other.gain > std::max(0.0, most - kPreferred);
+    other.found.explains =
+        other.found.refitted &&
+        (shared(other.found) ? near : other.found.p_after > kExplained && (!explained || near));
+    if (other.found.explains) other.gain = most;
+  }
+  std::rotate(list.begin(), first, first + 1);
+}
+
 }  // namespace
 
 std::string sentence_of(const Explanation& e) {
@@ -435,8 +458,6 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
     list.erase(std::remove_if(worst + 1, list.end(), is_bad_run), list.end());
   const double of_slides = independent_points(residuals, best);
   std::vector<ExplainedProblem> result;
-  // By one thing for all slides: a spin of each describes nearly anything about as well.
-  const auto shared = [](const Explanation& e) { return e.name != kUnseenSpin || e.dof == 1; };
   for (Tested& tested : list) {
     Explanation& found = tested.found;
     const double left = best.chi2 - found.chi2_fall;
@@ -448,23 +469,7 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
                      (found.p_after > kExplained || by_likelihood);
     result.push_back({found, found.refitted ? tested.problem() : Problem{}, tested.values, likelier});
   }
-  if (of_slides == 0) return result;
-  // Laws that brake nearly alike: of slides none is the cause alone that is not much likelier.
-  const auto rank = [&](const ExplainedProblem& e) {
-    return std::tuple(e.found.explains, shared(e.found), e.found.p_after > kExplained, e.gain);
-  };
-  const auto first = std::ranges::max_element(result, {}, rank);
-  if (first == result.end() || !first->found.explains) return result;
-  const double most = first->gain;
-  const bool explained = first->found.p_after > kExplained;
-  for (ExplainedProblem& other : result) {
-    const bool near = other.gain > std::max(0.0, most - kPreferred);
-    other.found.explains =
-        other.found.refitted &&
-        (shared(other.found) ? near : other.found.p_after > kExplained && (!explained || near));
-    if (other.found.explains) other.gain = most;
-  }
-  std::rotate(result.begin(), first, first + 1);
+  if (of_slides > 0) weigh_causes_of_slides(result);
   return result;
 }
 

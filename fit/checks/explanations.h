@@ -19,6 +19,9 @@
 
 namespace tribotrack::fit::internal {
 
+/// The name of a spin of free slides that was not seen: found by a refit, not by a score test.
+inline constexpr const char* kUnseenSpin = "unseen_spin";
+
 /// An explanation and the problem in which it holds.
 struct ExplainedProblem {
   Explanation found;
