@@ -116,7 +116,13 @@ FitResult estimate(const Problem& given, const FitOptions& wanted) {
   } else {
     result = quantified(fit);
   }
-  for (const ExplainedProblem& explanation : list) result.explanations.push_back(explanation.found);
+  for (const ExplainedProblem& explanation : list) {
+    result.explanations.push_back(explanation.found);
+    if (explanation.found.explains && explanation.found.name == kUnseenSpin)
+      result.improve_first =
+          "A spin and a law of friction cannot be told apart by the path: mark the part so that its turning "
+          "is seen, or start it without spin.";
+  }
   result.slides = std::move(slides);
   describe_slides(between ? &*between : nullptr, result);
   judge(result);

@@ -105,6 +105,7 @@ TEST(SpinningSlideFit, TheIntervalOfSlidesThatSpinDifferentlyCoversSpinAndViscou
   const FitResult fit = fit_of(slides);
   EXPECT_EQ(fit.verdict, Use::care);
   EXPECT_TRUE(holds_under(fit, "unseen_spin")) << fit.full_report();
+  EXPECT_THAT(fit.improve_first, testing::HasSubstr("turning is seen"));
   EXPECT_LT(fit.parameters.front().ci95.low, 0.17);
   EXPECT_GT(fit.parameters.front().ci95.high, 0.17);
 }
