@@ -41,7 +41,7 @@ class Evaluation final : public ceres::EvaluationCallback {
 
   struct Point {
     Eigen::VectorXd z;
-    Linearised at, by_z;  ///< as it is; by z, compressed
+    Linearised at, by_z;  ///< by values and by z
   };
 
   Eigen::VectorXd z;  ///< where Ceres keeps it
@@ -68,7 +68,6 @@ class Evaluation final : public ceres::EvaluationCallback {
   const Point& keep(Linearised at) {
     last_ = std::make_shared<Point>(Point{z, std::move(at), {}});
     last_->by_z = last_->at.scaled(residuals_.unknowns().slopes(z));
-    for (RowGroup& group : last_->by_z.groups) group = compress(group);
     if (!best_ || last_->at.chi2() < best_->at.chi2()) best_ = last_;
     return *last_;
   }
@@ -85,7 +84,7 @@ class GroupCost final : public ceres::CostFunction {
   GroupCost(Evaluation& evaluation, std::size_t group, Eigen::Index rows, Eigen::Index shared,
             Eigen::Index own)
       : evaluation_(evaluation), group_(group) {
-    set_num_residuals(static_cast<int>(compressed_rows(rows, shared + own)));
+    set_num_residuals(static_cast<int>(rows));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(shared));
     if (own > 0) mutable_parameter_block_sizes()->push_back(static_cast<int>(own));
   }

@@ -7,8 +7,6 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-constexpr Eigen::Index kFewRows = 64;  ///< are not worth compressing
-
 /// Columns of length 1; those that are zero stay so.
 Eigen::MatrixXd normalised(const Eigen::MatrixXd& columns) {
   return columns * columns.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal();
@@ -134,27 +132,6 @@ double newton_decrement(const Linearised& at, std::optional<Eigen::Index> held) 
 
 Eigen::MatrixXd shared_covariance(const Linearised& at, double flat) {
   return pseudo_inverse(at.eliminated().normal(), unit_diagonal(at.normal()), flat).inverse;
-}
-
-Eigen::Index compressed_rows(Eigen::Index rows, Eigen::Index columns) {
-  return rows <= kFewRows ? rows : std::min(rows, columns + 1);
-}
-
-RowGroup compress(const RowGroup& rows) {
-  const Eigen::Index n = rows.residuals.size(), shared = rows.shared.cols(), own = rows.own.cols();
-  if (compressed_rows(n, shared + own) == n) return rows;
-  constexpr Eigen::Index kBlock = 512;  // rows that lie in the cache
-  Eigen::MatrixXd triangle(0, shared + own + 1);
-  for (Eigen::Index first = 0; first < n; first += kBlock) {
-    const Eigen::Index count = std::min(kBlock, n - first), kept = triangle.rows();
-    Eigen::MatrixXd block(kept + count, triangle.cols());
-    block.topRows(kept) = triangle;
-    block.bottomRows(count) << rows.shared.middleRows(first, count), rows.own.middleRows(first, count),
-        rows.residuals.segment(first, count);
-    triangle = triangle_of(std::move(block));
-  }
-  return {triangle.rightCols<1>(), triangle.leftCols(shared), triangle.middleCols(shared, own),
-          rows.first_own};
 }
 
 }  // namespace tribotrack::fit::internal

@@ -53,10 +53,4 @@ double newton_decrement(const Linearised& at, std::optional<Eigen::Index> held =
 /// or without own unknowns.
 Eigen::MatrixXd shared_covariance(const Linearised& at, double flat);
 
-/// Rows with the same J'J, J'r and r'r, which is all that a Gauss-Newton step needs: the triangle of their QR
-/// decomposition (Golub and Van Loan, Matrix Computations, 5.3) where they are many.
-RowGroup compress(const RowGroup& rows);
-/// How many are left of so many: it depends on nothing else.
-Eigen::Index compressed_rows(Eigen::Index rows, Eigen::Index columns);
-
 }  // namespace tribotrack::fit::internal

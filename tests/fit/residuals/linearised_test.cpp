@@ -50,19 +50,5 @@ TEST_F(LinearisedRows, OwnUnknownsFollowTheSharedOnesByLeastSquares) {
   EXPECT_NEAR(at.squared(step), (jacobian * step).squaredNorm(), 1e-12);
 }
 
-TEST_F(LinearisedRows, CompressedKeepTheNormalEquationsAndTheSumOfSquares) {
-  Linearised few = at;
-  for (RowGroup& rows : few.groups) {
-    const Eigen::Index n = rows.residuals.size(), columns = kShared + rows.own.cols();
-    rows = compress(rows);
-    EXPECT_EQ(rows.residuals.size(), compressed_rows(n, columns));
-    EXPECT_LE(rows.residuals.size(), n <= 64 ? n : columns + 1);
-  }
-  const Eigen::MatrixXd j = few.jacobian(kUnknowns);
-  EXPECT_LT((j.transpose() * j - jacobian.transpose() * jacobian).norm(), 1e-11);
-  EXPECT_LT((j.transpose() * few.residuals() - jacobian.transpose() * r).norm(), 1e-11);
-  EXPECT_NEAR(few.chi2(), at.chi2(), 1e-11);
-}
-
 }  // namespace
 }  // namespace tribotrack::fit::internal
