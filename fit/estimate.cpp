@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fit/checks/score_tests.h"
 #include "fit/checks/verdict.h"
 #include "fit/report/fill_result.h"
 #include "fit/slides/between_slides.h"

@@ -52,6 +52,7 @@ enum class FitParameter {
   mu2_width,       ///< 1/rad, relative rise of mu2 with the width of the gate, about the mean of all runs
   wear,            ///< relative rise of mu1 and mu2 from the first run of the campaign to the last
   stribeck,        ///< relative
+  stribeck_speed,  ///< m/s: RivalLaw::fading
   viscous,         ///< 1/s
   gate_edges,      ///< rad^2, square of what each change of mu takes: displacements are linear in it
   mu2_speed,       ///< relative rise of mu2 at the platform's speed
@@ -59,7 +60,8 @@ enum class FitParameter {
 };
 
 /// Those that need an integration under another law of friction.
-inline constexpr std::array kLaws = {FitParameter::stribeck, FitParameter::viscous, FitParameter::gate_edges,
+inline constexpr std::array kLaws = {FitParameter::stribeck,  FitParameter::stribeck_speed,
+                                     FitParameter::viscous,   FitParameter::gate_edges,
                                      FitParameter::mu2_speed, FitParameter::static_friction};
 
 const char* to_string(FitParameter parameter);  ///< "mu1", "mu2", "phase_lag_rad", "delay_s", "amplitude_mm",

@@ -14,12 +14,14 @@ namespace tribotrack::model {
 
 /// What friction takes from the relative speed |u|,
 ///   m(t, |u|) = mu(t, |u|) g (1 + stribeck exp(-(|u|/v_s)^2)) + viscous |u|,
-/// v_s = A w/4 (a quarter of the initial speed where the platform rests),
+/// v_s = `fading` or, where that is 0, A w/4 (a quarter of the initial speed where the platform rests),
 /// where mu2 is mu2 (1 + mu2_speed |u|/(A w)) and each change of mu between mu1 and mu2 is a ramp. A part at
 /// rest is held up to (1 + static_friction) m(t, 0). mu1 and mu2 themselves may be higher, so that laws
-/// beside each other tell the derivatives by them. All 0: the paper's law.
+/// beside each other tell the derivatives by them. All 0: the paper's law. A scenario's own viscous part adds
+/// to each law's.
 struct RivalLaw {
   double stribeck = 0;         ///< friction at rest is higher by this share; above -1
+  double fading = 0;           ///< m/s
   double viscous = 0;          ///< 1/s
   double rise = 0;             ///< s, of each change of mu; its middle lies at the edge; >= 0
   double mu2_speed = 0;        ///< share by which mu2 is higher at the platform's speed
@@ -37,9 +39,10 @@ constexpr std::size_t kMostRivalLaws = 8;
 /// their errors cancel in differences. `tolerance` is of each step, relative to A and A w (the initial speed
 /// where the platform rests) and to the way and the speed. A general integrator without derivatives, slower
 /// than integrate(). Throws InvalidParameter for a Stribeck strength of -1 and below, which makes friction
-/// negative at rest, for a rise longer than the pulse or the pause, for a start other than rest, and where
-/// too many steps are needed. Viscous friction of negative strength, which a fit may try, is taken as it
-/// stands, unless at the speed A w friction as a whole were negative: it would push the part.
+/// negative at rest, or a negative fading, for a rise longer than the pulse or the pause, for a start other
+/// than rest, and where too many steps are needed. Viscous friction of negative strength, which a fit may
+/// try, is taken as it stands, unless at the speed A w friction as a whole were negative: it would push the
+/// part.
 Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const RivalLaw> laws,
                                      double tolerance = 1e-9);
 

@@ -45,7 +45,7 @@ class Gate {
 
 Vector2d stepped(const Laboratory& lab, const model::Scenario& s, double mu1, double mu2) {
   const double w = s.drive.angular_frequency, g = s.drive.gravity, a = s.drive.amplitude;
-  const double dt = 2 * pi / w / kSteps, fading = a * w / 4;
+  const double dt = 2 * pi / w / kSteps, fading = lab.fading * a * w;
   const Gate gate(s.friction.phase + lab.lag, s.friction.pulse_width, lab.edges);
   const Vector2d pull(g * std::sin(lab.tilt_x), g * std::sin(lab.tilt_y));
   const double a_x = a / std::sqrt(lab.ratio), a_y = a * std::sqrt(lab.ratio);
@@ -154,6 +154,7 @@ Laboratory drawn(std::string_view fault, Dice& dice) {
   if (fault == "phase_shift") lab.epsilon_error = either(0.05, 0.1);
   if (fault == "stribeck") lab.stribeck = dice.uniform(0.25, 0.5);
   if (fault == "mu2_width") lab.heating = dice.uniform(0.1, 0.3);
+  if (lab.stribeck > 0) lab.fading = dice.uniform(0.1, 0.5);
   if (fault == "wear") lab.wear = either(0.06, 0.13);
   if (fault == "bad_run") lab.bad_run = static_cast<int>(dice.uniform(0, 14));
   if (fault == "run_scatter") lab.scatter = dice.uniform(0.024, 0.048);

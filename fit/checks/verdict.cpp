@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
@@ -113,74 +112,6 @@ Agreement agreement(const FitResult& result) {
   if (least > 0 && result.chi2 < least * expected_reduced_chi2(least, result.noise_dof).low)
     return Agreement::too_good;
   return Agreement::good;
-}
-
-namespace {
-
-Quoted without_bad_runs(Problem problem, const std::vector<Outlier>& outliers) {
-  Quoted quoted;
-  for (SummaryRun& run : problem.summary_runs)
-    run.held_out |= std::ranges::any_of(outliers, [&](const Outlier& o) { return o.run == run.name; });
-  for (const Outlier& outlier : outliers)
-    quoted.under.push_back("run '" + outlier.run + "' left out: it contradicts the others");
-  quoted.problem = std::move(problem);
-  return quoted;
-}
-
-/// The explanation's problem, begun at what it makes of the parameters.
-Problem begun(const ExplainedProblem& explanation) {
-  Problem problem = explanation.problem;
-  for (const auto& [parameter, under] : explanation.found.parameters)
-    problem.start[parameter] = under.estimate;
-  return problem;
-}
-
-auto first_that_explains(std::vector<ExplainedProblem>& list) {
-  return std::ranges::find_if(list, [](const ExplainedProblem& e) { return e.found.explains; });
-}
-
-}  // namespace
-
-std::optional<Quoted> explained(const Problem& problem, double chi2, std::vector<ExplainedProblem>& list,
-                                const std::vector<Outlier>& outliers,
-                                const std::function<Refit(const Problem&)>& refit) {
-  constexpr int kMostTogether = 3;
-  Quoted quoted;
-  std::vector<ExplainedProblem> beside;
-  for (int k = 0; k < kMostTogether; ++k) {
-    std::vector<ExplainedProblem>& now = k == 0 ? list : beside;
-    if (k == 0 && first_that_explains(now) == now.end() && !outliers.empty())
-      return without_bad_runs(problem, outliers);
-    std::optional<Refit> best;
-    const auto front = std::ranges::find_if(now, [](const auto& e) { return e.found.name != "run_scatter"; });
-    if (first_that_explains(now) == now.end() && front != now.end() && front->found.refitted) {
-      Explanation& found = front->found;
-      best = refit(begun(*front));
-      if (best->chi2 < chi2 - found.chi2_fall) {
-        found.chi2_fall = chi2 - best->chi2;
-        found.p_after = best->p_value;
-        found.parameters = best->parameters;
-        found.explains = best->p_value > kExplained;
-      }
-    }
-    if (const auto answer = first_that_explains(now); answer != now.end()) {
-      std::rotate(now.begin(), answer, answer + 1);
-      const Explanation& first = now.front().found;
-      quoted.under.push_back(sentence_of(first));
-      quoted.problem = begun(now.front());
-      for (auto other = now.begin() + 1; other != now.end(); ++other)
-        if (other->found.explains && now.front().gain - other->gain < kPreferred) {
-          quoted.as_good.push_back(other->found);
-          quoted.under.back() += " or " + sentence_of(other->found);
-        }
-      return quoted;
-    }
-    if (!best) return std::nullopt;
-    quoted.under.push_back(sentence_of(front->found));
-    chi2 = best->chi2;
-    beside = std::move(best->explanations);
-  }
-  return std::nullopt;
 }
 
 void widen(const std::vector<Explanation>& as_good, FitResult& result) {

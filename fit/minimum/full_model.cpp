@@ -17,13 +17,13 @@ struct Place {
   Residuals residuals;  ///< linearised there
 };
 
-/// The full model at z, `nearly` a step away from where these are linear; at infinity without a motion.
-Place full_at(const Residuals& residuals, const Eigen::VectorXd& z, bool nearly = false) {
+/// The full model at z; at infinity without a motion.
+Place full_at(const Residuals& residuals, const Eigen::VectorXd& z) {
   Place place{{}, residuals};
   place.minimum.z = z;
   place.minimum.chi2 = std::numeric_limits<double>::infinity();
   const Eigen::VectorXd values = residuals.unknowns().values(z);
-  if (!values.allFinite() || !place.residuals.linearise(values, nearly)) return place;
+  if (!values.allFinite() || !place.residuals.linearise(values)) return place;
   if (auto at = place.residuals.at(values)) {
     place.minimum.chi2 = at->chi2();
     place.minimum.at = std::move(*at);
@@ -48,28 +48,22 @@ void descend(Place& place, const MinimiseOptions& options) {
     normal.diagonal() *= 1 + damping;
     const Eigen::VectorXd step = -solve_symmetric(normal, gradient);
     const double promised = -step.dot(gradient);
-    bool ended = damping <= kFirstDamping && promised < decrement;
-    if (!ended) {
-      Place next = full_at(place.residuals, best.z + step, true);
-      const double gain = best.chi2 - next.minimum.chi2;
-      if (gain > 0) place = std::move(next);
-      // By how far what the linear problem promised was kept (Marquardt; Nielsen 1999).
-      if (gain > 0.75 * promised)
-        damping = std::max(0.1 * damping, kLeastDamping);
-      else if (!(gain > 0.25 * promised))
-        damping *= gain > 0 ? 3 : 10;
-      ended =
-          damping > kMostDamping || (gain > 0 ? gain < decrement : promised < std::max(decrement, kUnseen));
-      const bool full_step = damping <= kFirstDamping && gain > 0.25 * promised;
-      if (full_step || lately - best.chi2 > kLittle) lately = best.chi2, since = 0;
-      ended |= ++since > kPatience;
+    if (damping <= kFirstDamping && promised < decrement) {
+      best.converged = true;
+      break;
     }
-    best.converged = ended && !place.residuals.nearly_linear();
-    if (ended && !best.converged) {  // with derivatives of this place it may lead on
-      place = full_at(place.residuals, best.z);
-      damping = std::min(damping, kFirstDamping);
-      since = 0;
-    }
+    Place next = full_at(place.residuals, best.z + step);
+    const double gain = best.chi2 - next.minimum.chi2;
+    if (gain > 0) place = std::move(next);
+    // By how far what the linear problem promised was kept (Marquardt; Nielsen 1999).
+    if (gain > 0.75 * promised)
+      damping = std::max(0.1 * damping, kLeastDamping);
+    else if (!(gain > 0.25 * promised))
+      damping *= gain > 0 ? 3 : 10;
+    const bool full_step = damping <= kFirstDamping && gain > 0.25 * promised;
+    if (full_step || lately - best.chi2 > kLittle) lately = best.chi2, since = 0;
+    best.converged = ++since > kPatience || damping > kMostDamping ||
+                     (gain > 0 ? gain < decrement : promised < std::max(decrement, kUnseen));
   }
   best.converged |= lately - best.chi2 < kNearMinimum;
 }

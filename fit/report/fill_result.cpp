@@ -54,15 +54,6 @@ void fill_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
   }
 }
 
-void fill_influence(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
-                    FitResult& result) {
-  const Eigen::MatrixXd influence = influence_of_runs(residuals, best, uncertainty);
-  for (std::size_t run = 0; run < result.runs.size(); ++run) {
-    const Eigen::VectorXd row = influence.row(static_cast<Eigen::Index>(run));
-    result.runs[run].influence.assign(row.begin(), row.end());
-  }
-}
-
 void fill_profile(const Profile& profile, double level, ParameterEstimate& estimate) {
   const std::vector<Interval>& pieces = profile.pieces;
   estimate.profile = profile.points;
@@ -119,6 +110,8 @@ void fill_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Un
   const auto mu1 = unknowns.find(FitParameter::mu1);
   if (!mu1 || !of_speed) return;
   const auto viscous = unknowns.find(FitParameter::viscous), stribeck = unknowns.find(FitParameter::stribeck);
+  const auto of_fading = unknowns.find(FitParameter::stribeck_speed);
+  const double fading = unknowns.value_of(FitParameter::stribeck_speed, values);
   const double platform = unknowns.reference_amplitude() * unknowns.reference_frequency();
   const double gravity = unknowns.value_of(FitParameter::gravity, values);
   double fastest = platform;
@@ -126,12 +119,14 @@ void fill_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Un
     if (const auto speed = run.nuisance.find("initial_speed_mm_s"); speed != run.nuisance.end())
       fastest = std::max(fastest, 1e-3 * speed->second);
   for (int k = 0; k <= kPlaces; ++k) {
-    const double speed = k * fastest / kPlaces, fading = platform > 0 ? 4 * speed / platform : kInfinity;
-    const double slow = std::exp(-fading * fading);
+    const double speed = k * fastest / kPlaces, ratio = speed / fading;
+    const double slow = std::exp(-ratio * ratio);
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(unknowns.common());
     slope(*mu1) = 1 + (stribeck ? values(*stribeck) * slow : 0);
     double mu = values(*mu1) * slope(*mu1);
     if (stribeck) slope(*stribeck) = values(*mu1) * slow;
+    if (stribeck && of_fading)
+      slope(*of_fading) = values(*mu1) * values(*stribeck) * slow * 2 * ratio * ratio / fading;
     if (viscous) {
       slope(*viscous) = speed / gravity;
       mu += values(*viscous) * speed / gravity;

@@ -16,9 +16,6 @@ void fill_parameters(const Unknowns& unknowns, const Eigen::VectorXd& values, co
 void fill_runs(const Residuals& residuals, const Minimum& best, FitResult& result);
 /// The profile, and whether it is the interval to quote.
 void fill_profile(const Profile& profile, double level, ParameterEstimate& estimate);
-/// RunResult::influence.
-void fill_influence(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,
-                    FitResult& result);
 /// Of the runs that were held out: the fit's own covariance of what it says of them is part of their
 /// residuals' sd.
 void fill_predictions(const Residuals& residuals, const Minimum& best, const Uncertainty& uncertainty,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fit/residuals/end_point.h"
+#include "fit/residuals/free_slide.h"
 #include "model/parallel.h"
 #include "model/rival_laws.h"
 #include "model/trajectory.h"
@@ -24,12 +25,12 @@ double step_of(FitParameter law) {
   return law == FitParameter::viscous ? 1e-3 : law == FitParameter::gate_edges ? 1e-4 : 2e-4;
 }
 
-model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values) {
-  const auto of = [&](FitParameter law) {
-    const auto i = unknowns.find(law);
-    return i ? values(*i) : 0;
-  };
+/// Of a free slide: viscous friction is in its scenario, and it has no gate.
+model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values, bool free_slide) {
+  const auto of = [&](FitParameter law) { return unknowns.value_of(law, values); };
+  if (free_slide) return {.stribeck = of(FitParameter::stribeck), .fading = of(FitParameter::stribeck_speed)};
   return {.stribeck = of(FitParameter::stribeck),
+          .fading = of(FitParameter::stribeck_speed),
           .viscous = of(FitParameter::viscous),
           .rise = std::sqrt(of(FitParameter::gate_edges)) / unknowns.reference_frequency(),
           .mu2_speed = of(FitParameter::mu2_speed),
@@ -53,14 +54,6 @@ struct AddedByLaws {
   Eigen::VectorXd added;
   Eigen::MatrixXd by_laws;  ///< by the laws among the unknowns
   Eigen::MatrixXd bend;     ///< by the others
-  bool borrowed = false;    ///< the latter is that of an earlier step
-};
-
-/// What laws add here by the derivatives of an earlier step.
-struct Foretold {
-  const Eigen::VectorXd& before;  ///< what they added there
-  Eigen::VectorXd added;
-  const Eigen::MatrixXd& bend;  ///< there
 };
 
 /// A step of one of the model's parameters, small against what makes a motion another.
@@ -70,6 +63,8 @@ double step_of(model::Parameter parameter, const model::Scenario& scenario) {
                      parameter == model::Parameter::gravity;
   if (sized) return 10 * kShare * std::max(scenario.get(parameter), 1e-9);
   if (parameter == model::Parameter::angular_frequency) return 0.1 * kShare * scenario.get(parameter);
+  if (parameter == model::Parameter::velocity_x || parameter == model::Parameter::velocity_y)
+    return 10 * kShare * std::max(scenario.initial_velocity.norm(), 1e-9);
   const bool tilt = parameter == model::Parameter::tilt_x || parameter == model::Parameter::tilt_y;
   return tilt ? kShare : kAngle;
 }
@@ -95,66 +90,69 @@ Eigen::MatrixXd bend_of(const AppliedScenario& applied, const Eigen::VectorXd& a
 }
 
 /// What the laws at `values` add to a run at `times`; `by_mu`: its derivatives under the paper's law. Where
-/// that moves a place by more than `fine`, its derivatives are by all parameters: an integration each, unless
-/// those are taken that have foretold it to a tenth of its change or a hundredth of `fine`.
+/// that moves a place by more than `fine`, its derivatives are by all parameters: an integration each.
 AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& values,
                           const AppliedScenario& applied, const std::vector<double>& times,
                           const Eigen::MatrixX2d& by_mu, const std::vector<Eigen::Index>& laws,
-                          double fine = INFINITY, const std::optional<Foretold>& foretold = std::nullopt) {
+                          double fine = INFINITY, bool free_slide = false) {
   const auto rows = 2 * static_cast<Eigen::Index>(times.size());
   AddedByLaws result{Eigen::VectorXd::Zero(rows),
                      Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(laws.size())),
                      Eigen::MatrixXd::Zero(rows, applied.chain.cols())};
-  if (applied.scenario.start != model::Start::rest) return result;  // other laws are integrated from rest
+  // Other laws are integrated from rest, or of slides that do not spin.
+  if (applied.scenario.start != model::Start::rest || applied.scenario.spin.rate != 0) return result;
   const double unit = applied.stretch / applied.scale;
   // Edges that take a negative time undo what positive ones add, so that chi^2 has no kink at 0.
   const auto edges = unknowns.find(FitParameter::gate_edges);
   const bool undone = edges && values(*edges) < 0;
   Eigen::VectorXd sharp = values, soft = values;
   if (undone) sharp(*edges) = 0, soft(*edges) = -values(*edges);
-  const model::RivalLaw paper, as_sharp = law_at(unknowns, sharp), as_soft = law_at(unknowns, soft);
+  const auto law_of = [&](const Eigen::VectorXd& v) { return law_at(unknowns, v, free_slide); };
+  const model::RivalLaw as_sharp = law_of(sharp), as_soft = law_of(soft), paper{.fading = as_soft.fading};
   std::vector<model::RivalLaw> beside{paper, as_sharp, as_soft};
+  const auto fading = unknowns.find(FitParameter::stribeck_speed);
   for (const Eigen::Index law : laws) {
+    if (law == fading) continue;
     Eigen::VectorXd more = law == edges ? soft : sharp;
     more(law) += step_of(unknowns.parameter(law));
-    beside.push_back(law_at(unknowns, more));
+    beside.push_back(law_of(more));
   }
-  constexpr double kStep = 2e-4;  // of mu
-  std::array<model::RivalLaw, 3> heavier{as_sharp, as_sharp, as_sharp};
-  heavier[1].mu1 = heavier[2].mu2 = kStep;
-  const bool together = beside.size() + 2 <= model::kMostRivalLaws;
-  if (together) beside.insert(beside.end(), heavier.begin() + 1, heavier.end());
-  static_assert(3 + kLaws.size() <= model::kMostRivalLaws);
+  static_assert(3 + kLaws.size() - 1 <= model::kMostRivalLaws);
+  constexpr double kStep = 2e-4;  // of mu, and of the speed at which it has fallen
+  std::vector<model::RivalLaw> changed(fading ? 4 : 3, as_sharp);
+  changed[1].mu1 = changed[2].mu2 = kStep;
+  if (fading) changed[3].fading *= 1 + kStep;
+  const auto own = static_cast<Eigen::Index>(beside.size()),
+             changes = static_cast<Eigen::Index>(changed.size()) - 1;
+  const bool together = beside.size() + changed.size() - 1 <= model::kMostRivalLaws;
+  if (together) beside.insert(beside.end(), changed.begin() + 1, changed.end());
   const double tolerance = std::isfinite(fine) ? kFineTolerance : kTolerance;
   const auto under = [&](std::span<const model::RivalLaw> all) {
     return Eigen::MatrixXd(unit * model::rival_positions(applied.scenario, times, all, tolerance));
   };
   const Eigen::MatrixXd moved = under(beside);
+  const auto by_law = [&](std::size_t k) { return result.by_laws.col(static_cast<Eigen::Index>(k)); };
+  Eigen::Index lane = 3;
   for (std::size_t k = 0; k < laws.size(); ++k)
-    result.by_laws.col(static_cast<Eigen::Index>(k)) =
-        (moved.col(static_cast<Eigen::Index>(3 + k)) - moved.col(laws[k] == edges ? 2 : 1)) /
-        step_of(unknowns.parameter(laws[k]));
+    if (laws[k] != fading)
+      by_law(k) =
+          (moved.col(lane++) - moved.col(laws[k] == edges ? 2 : 1)) / step_of(unknowns.parameter(laws[k]));
   if (as_soft == paper) return result;
   result.added = 2 * moved.col(1) - moved.col(2) - moved.col(0);
 
   // Differences of one integration: its errors cancel.
-  const Eigen::MatrixXd there = together ? moved : under(heavier);
+  const Eigen::MatrixXd there = together ? moved : under(changed);
   const Eigen::VectorXd base = there.col(together ? 1 : 0);
+  const Eigen::MatrixXd by_change = (there.middleCols(together ? own : 1, changes).colwise() - base) / kStep;
+  for (std::size_t k = 0; k < laws.size(); ++k)
+    if (laws[k] == fading) by_law(k) = by_change.col(2) / as_sharp.fading;
   const model::Friction& friction = applied.scenario.friction;
-  Eigen::MatrixX2d under_law = there.rightCols(2).colwise() - base;
-  under_law.col(0) /= kStep * friction.nominal;
-  under_law.col(1) /= kStep * friction.reduced;
+  Eigen::MatrixX2d under_law = by_change.leftCols(2);
+  under_law.col(0) /= friction.nominal;
+  if (friction.pulse_width > 0) under_law.col(1) /= friction.reduced;
   if (!under_law.allFinite()) return result;
   if (result.added.lpNorm<Eigen::Infinity>() < fine) {
     result.bend = bend_of(applied, result.added, under_law - by_mu);
-    return result;
-  }
-  constexpr double kShare = 0.1, kUnseen = 0.01;
-  const auto size = [](const Eigen::VectorXd& v) { return v.lpNorm<Eigen::Infinity>(); };
-  if (foretold && size(foretold->added - result.added) <
-                      std::max(kShare * size(result.added - foretold->before), kUnseen * fine)) {
-    result.bend = foretold->bend;
-    result.borrowed = true;
     return result;
   }
   const std::array three{paper, as_sharp, as_soft};
@@ -188,12 +186,33 @@ std::vector<Eigen::Index> laws_of(const Unknowns& unknowns) {
   return laws;
 }
 
+/// Those that move a run beside its own model.
+std::vector<Eigen::Index> laws_of(const Unknowns& unknowns, const TrajectoryRun& run) {
+  std::vector<Eigen::Index> laws = laws_of(unknowns);
+  if (run.free_slide)
+    std::erase_if(laws, [&](Eigen::Index i) {
+      return unknowns.parameter(i) != FitParameter::stribeck &&
+             unknowns.parameter(i) != FitParameter::stribeck_speed;
+    });
+  return laws;
+}
+
+/// Of the points that are fitted, s from the first.
+std::vector<double> times_of(const TrajectoryRun& run) {
+  const std::size_t first = run.free_slide ? guess_free_slide(run).first : 0;
+  std::vector<double> times;
+  for (std::size_t i = first; i < run.track.time.size(); ++i)
+    times.push_back(run.track.time[i] - run.track.time[first]);
+  return times;
+}
+
 }  // namespace
 
 bool has_linear_terms(const Unknowns& unknowns) {
   const Problem& problem = unknowns.problem();
   return (!problem.summary_runs.empty() && !linear_unknowns(unknowns, true).empty()) ||
-         (problem.has_driven_tracks() && !laws_of(unknowns).empty());
+         std::ranges::any_of(problem.trajectory_runs,
+                             [&](const TrajectoryRun& run) { return !laws_of(unknowns, run).empty(); });
 }
 
 std::vector<Eigen::Index> linear_unknowns(const Unknowns& unknowns, bool linear) {
@@ -233,13 +252,13 @@ ModelledDisplacement modelled_displacement(const Unknowns& unknowns, const Eigen
 }
 
 std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                                           double tolerance, int threads, const LinearTerms* before) {
+                                           double tolerance, int threads) {
   const Problem& problem = unknowns.problem();
   LinearTerms terms;
   terms.linear_ = linear_unknowns(unknowns, true);
   terms.bent_ = linear_unknowns(unknowns, false);
   terms.values_ = values;
-  terms.laws_ = laws_of(unknowns);
+  const std::vector<Eigen::Index> laws = laws_of(unknowns);
   const std::size_t summaries = problem.summary_runs.size();
   terms.runs_.resize(summaries);
   terms.tracks_.resize(problem.trajectory_runs.size());
@@ -247,33 +266,30 @@ std::optional<LinearTerms> LinearTerms::at(const Unknowns& unknowns, const Eigen
     const SummaryRun& data = problem.summary_runs[i];
     Run& run = terms.runs_[i];
     run.here = modelled_displacement(unknowns, values, data, unknowns.shared(), tolerance);
-    if (terms.laws_.empty()) return;
+    if (laws.empty()) return;
     const AppliedScenario applied = unknowns.apply_summary(values, data, unknowns.shared());
     const AddedByLaws there =
-        added_by_laws(unknowns, values, applied, {applied.scenario.end_time()}, run.here.by_mu, terms.laws_);
+        added_by_laws(unknowns, values, applied, {applied.scenario.end_time()}, run.here.by_mu, laws);
     run.by_laws = there.added;
     run.bend = there.bend;
     run.here.jacobian += run.bend;
-    run.here.jacobian(Eigen::all, terms.laws_) = there.by_laws;
+    run.here.jacobian(Eigen::all, laws) = there.by_laws;
     run.here.position += run.by_laws;
   };
   constexpr double kSeen = 10;
   const auto of_track = [&](std::size_t i) {
     const TrajectoryRun& data = problem.trajectory_runs[i];
-    if (data.free_slide || terms.laws_.empty()) return;
+    std::vector<Eigen::Index> own = laws_of(unknowns, data);
+    if (own.empty()) return;
     AppliedScenario applied = unknowns.apply_trajectory(values, i, true);
-    std::vector<double> times = data.track.time;
-    for (double& time : times) time -= data.track.time.front();
+    const std::vector<double> times = times_of(data);
     applied.scenario.duration = times.back();
     const Eigen::MatrixX2d by_mu = points_by_mu(applied, times, tolerance);
     const double sd = std::sqrt(0.5 * data.track.covariance.front().trace());
-    std::optional<Foretold> foretold;
-    if (before && before->tracks_[i].added.size() > 0)
-      foretold.emplace(before->tracks_[i].added, before->added(i, values), before->tracks_[i].bend);
     AddedByLaws there =
-        added_by_laws(unknowns, values, applied, times, by_mu, terms.laws_, kSeen * sd, foretold);
-    terms.tracks_[i] = {std::move(there.added), std::move(there.by_laws), std::move(there.bend),
-                        unknowns.own(i), there.borrowed};
+        added_by_laws(unknowns, values, applied, times, by_mu, own, kSeen * sd, data.free_slide);
+    terms.tracks_[i] = {std::move(own), std::move(there.added), std::move(there.by_laws),
+                        std::move(there.bend), unknowns.own(i)};
   };
   try {
     parallel_for(summaries + terms.tracks_.size(), threads,
@@ -302,26 +318,17 @@ void LinearTerms::add(std::size_t index, const Eigen::VectorXd& values,
   if (run.bend.size() > 0) by_paper.jacobian(Eigen::all, bent_) += run.bend(Eigen::all, bent_);
 }
 
-Eigen::VectorXd LinearTerms::added(std::size_t index, const Eigen::VectorXd& values) const {
-  const Track& track = tracks_[index];
-  const Eigen::VectorXd all = values - values_;
-  Eigen::VectorXd change(track.bend.cols());
-  change << all.head(change.size() - track.own.count), all.segment(track.own.first, track.own.count);
-  return track.added + track.by_laws * all(laws_) + track.bend * change;
-}
-
-bool LinearTerms::borrowed() const {
-  return std::ranges::any_of(tracks_, &Track::borrowed);
-}
-
 void LinearTerms::add(std::size_t index, const Eigen::VectorXd& values, Eigen::Matrix2Xd& positions,
                       Eigen::MatrixXd& jacobian) const {
   const Track& track = tracks_[index];
   if (track.added.size() == 0) return;
-  positions.reshaped() += added(index, values);
+  const Eigen::VectorXd all = values - values_;
+  Eigen::VectorXd change(track.bend.cols());
+  change << all.head(change.size() - track.own.count), all.segment(track.own.first, track.own.count);
+  positions.reshaped() += track.added + track.by_laws * all(track.laws) + track.bend * change;
   if (jacobian.size() == 0) return;
   jacobian += track.bend;
-  jacobian(Eigen::all, laws_) = track.by_laws;
+  jacobian(Eigen::all, track.laws) = track.by_laws;
 }
 
 }  // namespace tribotrack::fit::internal

@@ -28,13 +28,12 @@ struct ModelledDisplacement {
 class LinearTerms {
  public:
   /// Linearised at `values`: of the conditions among the unknowns; nullopt where the laws have no motion
-  /// there. Of tracks D' may be that of `before`, near by.
+  /// there.
   static std::optional<LinearTerms> at(const Unknowns& unknowns, const Eigen::VectorXd& values,
-                                       double tolerance, int threads, const LinearTerms* before = nullptr);
+                                       double tolerance, int threads);
 
   /// (theta_0, c_0).
   const Eigen::VectorXd& values() const { return values_; }
-  bool borrowed() const;  ///< D' of some track is that of an earlier step
   /// At values(), by all unknowns.
   const ModelledDisplacement& here(std::size_t run) const { return runs_[run].here; }
   /// Values with conditions at c_0.
@@ -52,18 +51,15 @@ class LinearTerms {
     Eigen::Vector2d by_laws = Eigen::Vector2d::Zero();  ///< D
     Eigen::Matrix2Xd bend;                              ///< D', by all unknowns but the laws
   };
-  /// What laws add to a driven track: its own motion follows the paper's law and is not linear in anything.
+  /// What laws add to a track: its own motion follows the paper's law and is not linear in anything.
   struct Track {
+    std::vector<Eigen::Index> laws;
     Eigen::VectorXd added;          ///< D, m, x and y of each point below each other
     Eigen::MatrixXd by_laws, bend;  ///< C of the laws, and D' by what all runs share and the run's own
     Range own;
-    bool borrowed = false;  ///< D' is that of an earlier step
   };
-  /// What laws add to a track at other values.
-  Eigen::VectorXd added(std::size_t index, const Eigen::VectorXd& values) const;
 
   std::vector<Eigen::Index> linear_;  ///< conditions, among the unknowns
-  std::vector<Eigen::Index> laws_;    ///< of them
   std::vector<Eigen::Index> bent_;    ///< the other shared ones
   Eigen::VectorXd values_;
   std::vector<Run> runs_;

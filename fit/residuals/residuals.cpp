@@ -111,10 +111,10 @@ void Residuals::set_excess_variance(const ExcessVariance& excess) {
   prepare();
 }
 
-bool Residuals::linearise(const Eigen::VectorXd& values, bool nearly) {
+bool Residuals::linearise(const Eigen::VectorXd& values) {
   if (!has_linear_terms(*unknowns_)) return true;
-  if (terms_ && terms_->values() == values && (nearly || !terms_->borrowed())) return true;
-  auto terms = LinearTerms::at(*unknowns_, values, tolerance_, threads_, nearly ? terms_.get() : nullptr);
+  if (terms_ && terms_->values() == values) return true;
+  auto terms = LinearTerms::at(*unknowns_, values, tolerance_, threads_);
   if (!terms) return false;
   terms_ = std::make_shared<const LinearTerms>(std::move(*terms));
   differentiated_ = linear_unknowns(*unknowns_, false);

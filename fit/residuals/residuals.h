@@ -90,9 +90,7 @@ class Residuals {
   double tolerance_for(double share, double coarsest) const;
   /// Summary runs linear in the conditions from here on, about these values (linear_terms.h); until then they
   /// are not, and laws of friction among them add nothing. False, and as before: there is no motion there.
-  /// `nearly`: a step from where they are linear now, some of whose derivatives may still do.
-  bool linearise(const Eigen::VectorXd& values, bool nearly = false);
-  bool nearly_linear() const { return terms_ && terms_->borrowed(); }
+  bool linearise(const Eigen::VectorXd& values);
   bool linear_in_conditions() const { return terms_ != nullptr; }
 
   /// nullopt, and `why`, where the model has no motion at these values (InvalidParameter, StepLimitExceeded)

@@ -175,6 +175,7 @@ Unknowns::Unknowns(const Problem& problem)
     own_[run].count += scale.size();
   };
   const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
+  double fastest = 0;  // of the slides
   for (std::size_t i = 0; i < problem.trajectory_runs.size(); ++i) {
     const TrajectoryRun& run = problem.trajectory_runs[i];
     own_.push_back({size(), 0});
@@ -190,6 +191,7 @@ Unknowns::Unknowns(const Problem& problem)
     const FreeSlideGuess guess = guess_free_slide(run);
     if (!slide_mu_) slide_mu_ = guess.mu;
     const double speed = std::max(guess.velocity.norm(), 1e-6);
+    fastest = std::max(fastest, speed);
     add(Nuisance::velocity, i, guess.velocity, Eigen::Vector2d::Constant(speed));
     if (run.spin)
       add(Nuisance::spin, i, Eigen::Vector2d(run.spin->rate, run.spin->bearing),
@@ -203,6 +205,8 @@ Unknowns::Unknowns(const Problem& problem)
       add(Nuisance::deviation, i, one(0), one(problem.between_slides), one(1 / problem.between_slides));
     }
   }
+  const double platform = reference_.amplitude * reference_.angular_frequency;
+  reference_.stribeck_speed = 0.25 * (platform > 0 ? platform : fastest);
 }
 
 std::optional<Eigen::Index> Unknowns::find(FitParameter parameter) const {

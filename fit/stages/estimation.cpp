@@ -358,7 +358,11 @@ FitResult Estimation::report() {
         "phase_lag_rad is not fitted and taken as 0: add it to [fit] parameters, or give it in [fit.fixed].");
   result.agreement = agreement(result);
   fill_runs(residuals_, best, result);
-  fill_influence(residuals_, best, uncertainty_, result);
+  const Eigen::MatrixXd influence = influence_of_runs(residuals_, best, uncertainty_);
+  for (std::size_t run = 0; run < result.runs.size(); ++run) {
+    const auto row = influence.row(static_cast<Eigen::Index>(run));
+    result.runs[run].influence.assign(row.begin(), row.end());
+  }
   fill_predictions(residuals_, best, uncertainty_, result);
   fill_laws(unknowns_, values_, uncertainty_, result);
   for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);

@@ -89,6 +89,80 @@ void weigh_scatter(const Problem& problem, const Estimation& fit, const FitOptio
   result.list.insert(result.list.begin(), std::move(*found));
 }
 
+Quoted without_bad_runs(Problem problem, const std::vector<Outlier>& outliers) {
+  Quoted quoted;
+  for (SummaryRun& run : problem.summary_runs)
+    run.held_out |= std::ranges::any_of(outliers, [&](const Outlier& o) { return o.run == run.name; });
+  for (const Outlier& outlier : outliers)
+    quoted.under.push_back("run '" + outlier.run + "' left out: it contradicts the others");
+  quoted.problem = std::move(problem);
+  return quoted;
+}
+
+/// The explanation's problem, begun at what it makes of the parameters.
+Problem begun(const ExplainedProblem& explanation) {
+  Problem problem = explanation.problem;
+  for (const auto& [parameter, under] : explanation.found.parameters)
+    problem.start[parameter] = under.estimate;
+  return problem;
+}
+
+auto first_that_explains(std::vector<ExplainedProblem>& list) {
+  return std::ranges::find_if(list, [](const ExplainedProblem& e) { return e.found.explains; });
+}
+
+/// What explains the residuals of `fit`: one thing, or a second and a third beside it where each gains. A
+/// large effect pulls the minimum so far that no descent leads from there to its own: where nothing in `list`
+/// explains the residuals, the best is fitted anew, and told as it is then. Where these fits ended is added
+/// to `ends`.
+std::optional<Quoted> explained(const Problem& problem, const Estimation& fit, const FitOptions& options,
+                                std::vector<ExplainedProblem>& list, std::vector<Eigen::VectorXd>& ends) {
+  constexpr int kMostTogether = 3;
+  Quoted quoted;
+  double chi2 = fit.chi2();
+  std::vector<ExplainedProblem> beside;
+  for (int k = 0; k < kMostTogether; ++k) {
+    std::vector<ExplainedProblem>& now = k == 0 ? list : beside;
+    if (k == 0 && first_that_explains(now) == now.end() && !fit.outliers().empty())
+      return without_bad_runs(problem, fit.outliers());
+    std::optional<FitResult> best;
+    std::vector<ExplainedProblem> left;  // that explain what it leaves
+    const auto front = std::ranges::find_if(now, [](const auto& e) { return e.found.name != "run_scatter"; });
+    if (first_that_explains(now) == now.end() && front != now.end() && front->found.refitted) {
+      Explanation& found = front->found;
+      const Problem next = begun(*front);
+      Estimation there(next, options);
+      there.find_minimum();
+      ends.push_back(there.values_for(fit));
+      best = there.assumed();
+      if (!(best->p_value > kExplained)) left = there.explanations();
+      if (best->chi2 < chi2 - found.chi2_fall) {
+        found.chi2_fall = chi2 - best->chi2;
+        found.p_after = best->p_value;
+        found.parameters = best->as_assumed;
+        found.explains = best->p_value > kExplained;
+      }
+    }
+    if (const auto answer = first_that_explains(now); answer != now.end()) {
+      std::rotate(now.begin(), answer, answer + 1);
+      const Explanation& first = now.front().found;
+      quoted.under.push_back(sentence_of(first));
+      quoted.problem = begun(now.front());
+      for (auto other = now.begin() + 1; other != now.end(); ++other)
+        if (other->found.explains && now.front().gain - other->gain < kPreferred) {
+          quoted.as_good.push_back(other->found);
+          quoted.under.back() += " or " + sentence_of(other->found);
+        }
+      return quoted;
+    }
+    if (!best) return std::nullopt;
+    quoted.under.push_back(sentence_of(front->found));
+    chi2 = best->chi2;
+    beside = std::move(left);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Explained explain(const Problem& problem, Estimation& fit, const FitOptions& options) {
@@ -101,15 +175,7 @@ Explained explain(const Problem& problem, Estimation& fit, const FitOptions& opt
     result = {fit.explanations(), std::nullopt};
     for (const ExplainedProblem& explanation : result.list)
       if (explanation.values.size() > 0) ends.push_back(explanation.values);
-    if (fit.rejected() && squares)
-      result.quoted = explained(problem, fit.chi2(), result.list, fit.outliers(), [&](const Problem& next) {
-        Estimation there(next, options);
-        there.find_minimum();
-        ends.push_back(there.values_for(fit));
-        const FitResult assumed = there.assumed();
-        return Refit{assumed.chi2, assumed.p_value, assumed.as_assumed,
-                     assumed.p_value > kExplained ? std::vector<ExplainedProblem>{} : there.explanations()};
-      });
+    if (fit.rejected() && squares) result.quoted = explained(problem, fit, options, result.list, ends);
     again = k + 1 < kMostTimes && fit.rejected() && fit.lower_from(ends);
   }
   if (fit.rejected() && squares) weigh_scatter(problem, fit, options, result);

@@ -2,12 +2,19 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "fit/checks/verdict.h"
 #include "fit/stages/estimation.h"
 
 namespace tribotrack::fit::internal {
+
+/// The problem that is quoted, and what it assumes that the one given does not.
+struct Quoted {
+  Problem problem;
+  std::vector<std::string> under;
+  std::vector<Explanation> as_good;  ///< others that explain the residuals as well
+};
 
 struct Explained {
   std::vector<ExplainedProblem> list;  ///< best first

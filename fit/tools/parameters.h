@@ -26,6 +26,7 @@ struct Reference {
   double angular_frequency = 1;   ///< rad/s
   double gravity = 9.81;          ///< m/s^2
   double tilt_x = 0, tilt_y = 0;  ///< rad
+  double stribeck_speed = 0;      ///< m/s, a quarter of A w or, where nothing is driven, of the fastest slide
   /// Value of a parameter that is neither fitted nor fixed: 0 where runs have none.
   double as_given(FitParameter parameter) const;
 };

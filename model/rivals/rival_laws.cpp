@@ -30,24 +30,26 @@ class Equation {
     speed_ = platform > 0 ? platform : s_.initial_velocity.norm();
     start_ = std::remainder(s_.start_phase, kTurn);
     first_edge_ = std::remainder(s_.friction.phase + s_.friction.lag, kTurn);
-    friction_.fading = 0.25 * speed_;
     for (int lane = 0; lane < kRivalLanes; ++lane) {
       laws_[lane] = laws[static_cast<std::size_t>(lane) < laws.size() ? static_cast<std::size_t>(lane) : 0];
       const RivalLaw& law = laws_[lane];
       const bool too_long = law.rise < 0 || law.rise * w > std::min(width, kTurn - width);
-      const double all =
-          law.stribeck + law.viscous + law.rise + law.mu2_speed + law.static_friction + law.mu1 + law.mu2;
-      if (!std::isfinite(all) || !(law.stribeck > -1) || (too_long && width > 0))
-        throw InvalidParameter("a rival law of friction is out of range: stribeck = " +
-                               std::to_string(law.stribeck) + ", rise = " + std::to_string(law.rise) + " s");
-      const double g = s_.drive.gravity, fast = 1 + law.stribeck * std::exp(-16);
+      const double all = law.stribeck + law.fading + law.viscous + law.rise + law.mu2_speed +
+                         law.static_friction + law.mu1 + law.mu2;
+      if (!std::isfinite(all) || !(law.stribeck > -1) || law.fading < 0 || (too_long && width > 0))
+        throw InvalidParameter(
+            "a rival law of friction is out of range: stribeck = " + std::to_string(law.stribeck) +
+            ", fading = " + std::to_string(law.fading) + " m/s, rise = " + std::to_string(law.rise) + " s");
+      const double fading = law.fading > 0 ? law.fading : 0.25 * speed_, z = speed_ / fading;
+      const double g = s_.drive.gravity, fast = 1 + law.stribeck * std::exp(-z * z);
       if (s_.friction.nominal * (1 + law.mu1) * g * fast + law.viscous * speed_ < 0 ||
           s_.friction.reduced * (1 + law.mu2) * (1 + law.mu2_speed) * g * fast + law.viscous * speed_ < 0)
         throw InvalidParameter(
             "a rival law of friction pushes the part: viscous = " + std::to_string(law.viscous) +
             " 1/s, mu2_speed = " + std::to_string(law.mu2_speed));
       friction_.stribeck.lane[lane] = law.stribeck;
-      friction_.viscous.lane[lane] = law.viscous;
+      friction_.fading.lane[lane] = fading;
+      friction_.viscous.lane[lane] = law.viscous + s_.viscous;
     }
     if (!(s_.end_time() * w < kTurn * kMaxTurns))
       throw InvalidParameter("a rival friction law needs too many steps");

@@ -54,10 +54,10 @@ TRIBOTRACK_KERNEL Taken taken(const RivalFriction& friction, double t, const V& 
   const V mu = of(friction.level) + t * of(friction.by_time) + by_speed * speed;
   const V by_time = of(friction.by_time) + of(friction.by_speed_time) * speed;
   if (!fades) return {mu + viscous * speed, by_speed + viscous, by_time};
-  const V z = speed / friction.fading;
+  const V fading = of(friction.fading), z = speed / fading;
   const V more = of(friction.stribeck) * exp_of_minus(z * z);
   return {mu * (1.0 + more) + viscous * speed,
-          by_speed * (1.0 + more) - mu * more * 2.0 * z / friction.fading + viscous, by_time * (1.0 + more)};
+          by_speed * (1.0 + more) - mu * more * 2.0 * z / fading + viscous, by_time * (1.0 + more)};
 }
 
 struct Direction {

@@ -18,8 +18,7 @@ struct RivalMotion {
 /// What friction takes, m/s^2, at the time t since the step began:
 ///   (level + by_time t + (by_speed + by_speed_time t) |u|) (1 + stribeck exp(-(|u|/fading)^2)) + viscous |u|
 struct RivalFriction {
-  RivalRow level, by_time, by_speed, by_speed_time, stribeck, viscous;
-  double fading = 0;
+  RivalRow level, by_time, by_speed, by_speed_time, stribeck, fading, viscous;
 };
 
 /// The acceleration by the platform and its tilt, m/s^2, and its derivative by time.

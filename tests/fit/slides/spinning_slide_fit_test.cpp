@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "fit/estimate.h"
@@ -48,30 +49,65 @@ TEST(SpinningSlideFit, FindsMuAtAnySpin) {
     }
 }
 
-/// Slides under mu g + c v, each with its own c about `viscous`.
-std::vector<TrajectoryRun> viscous_slides(double viscous, double between, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
+using Noise = std::function<double()>;
+
+Noise standard_noise(unsigned seed) {
+  return [random = std::mt19937(seed), normal = std::normal_distribution<double>()]() mutable {
+    return normal(random);
+  };
+}
+
+/// Slides of 0.7 m/s and less, whose way in the time t from this speed is `way`(t, speed).
+std::vector<TrajectoryRun> slides_along(const std::function<double(double, double)>& way,
+                                        const Noise& noise) {
   std::vector<TrajectoryRun> runs;
   for (int k = 0; k < 8; ++k) {
-    const double c = viscous + between * normal(random), a = 0.19 * 9.81, speed = 0.7 - 0.04 * k;
     TrajectoryRun run;
     run.name = "slide" + std::to_string(k);
     run.free_slide = true;
     run.scenario.drive.amplitude = run.scenario.drive.amplitude_y = 0;
     for (int i = 0; i < 60; ++i) {
-      const double t = i / 200.0, stop = c == 0 ? speed / a : std::log(1 + c * speed / a) / c,
-                   s = std::min(t, stop);
-      const double x =
-          c == 0 ? speed * s - a * s * s / 2 : (speed + a / c) * (1 - std::exp(-c * s)) / c - a * s / c;
+      const double t = i / 200.0, x = way(t, 0.7 - 0.04 * k);
       run.track.frame.push_back(i);
       run.track.time.push_back(t);
-      run.track.position.emplace_back(x + 3e-5 * normal(random), 3e-5 * normal(random));
+      run.track.position.emplace_back(x + 3e-5 * noise(), 3e-5 * noise());
       run.track.covariance.push_back(9e-10 * Eigen::Matrix2d::Identity());
     }
     runs.push_back(run);
   }
   return runs;
+}
+
+/// Under mu g + c v, each with its own c about `viscous`.
+std::vector<TrajectoryRun> viscous_slides(double viscous, double between, unsigned seed) {
+  const Noise noise = standard_noise(seed);
+  std::map<double, double> strength;
+  const auto way = [&](double t, double speed) {
+    if (!strength.contains(speed)) strength[speed] = viscous + between * noise();
+    const double c = strength[speed], a = 0.19 * 9.81;
+    const double s = std::min(t, c == 0 ? speed / a : std::log(1 + c * speed / a) / c);
+    return c == 0 ? speed * s - a * s * s / 2 : (speed + a / c) * (1 - std::exp(-c * s)) / c - a * s / c;
+  };
+  return slides_along(way, noise);
+}
+
+/// Under mu g (1 + strength exp(-(v/fading)^2)), by steps of the midpoint rule.
+std::vector<TrajectoryRun> stribeck_slides(double strength, double fading, unsigned seed) {
+  const auto braking = [&](double v) {
+    return 0.19 * 9.81 * (1 + strength * std::exp(-v * v / (fading * fading)));
+  };
+  const auto way = [&](double t, double v) {
+    constexpr int kSteps = 2000;
+    const double h = t / kSteps;
+    double x = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double next = std::max(0.0, v - h * braking(v - 0.5 * h * braking(v)));
+      x += 0.5 * h * (v + next);
+      v = next;
+    }
+    return x;
+  };
+  return slides_along(way, standard_noise(seed));
 }
 
 /// Whether one of the explanations that the values hold under is this.
@@ -136,6 +172,23 @@ TEST(ViscousSlides, AreNamedAndQuotedUnderTheLaw) {
     EXPECT_NEAR(fastest.speed, 0.7, 0.01);
     EXPECT_NEAR(fastest.mu, 0.19 + fit.explanations.front().size * 0.7 / 9.81, 0.01);
     EXPECT_GT(fastest.sd, 0);
+  }
+}
+
+TEST(StribeckSlides, AreNamedAndQuotedUnderTheLawAtASpeedOfItsOwn) {
+  for (const double fading : {0.08, 0.25}) {
+    const FitResult fit = fit_of(stribeck_slides(0.3, fading, 7));
+    ASSERT_EQ(fit.quoted_under.size(), 1u) << fit.full_report();
+    const Explanation& found = fit.explanations.front();
+    EXPECT_EQ(found.name, "stribeck");
+    EXPECT_NEAR(found.size, 30, 3 * found.size_sd);
+    EXPECT_GT(fit.as_assumed.at(FitParameter::mu1).estimate, fit.parameters.front().estimate);
+    EXPECT_LT(fit.parameters.front().ci95.low, 0.19);
+    EXPECT_GT(fit.parameters.front().ci95.high, 0.19);
+    EXPECT_EQ(fit.verdict, Use::care);
+    ASSERT_FALSE(fit.mu_of_speed.empty());
+    for (const FrictionAtSpeed& at : fit.mu_of_speed)
+      EXPECT_NEAR(at.mu, 0.19 * (1 + 0.3 * std::exp(-std::pow(at.speed / fading, 2))), 4 * at.sd) << at.speed;
   }
 }
 

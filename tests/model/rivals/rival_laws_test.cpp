@@ -161,6 +161,30 @@ TEST(RivalLaws, StribeckFadesWithSpeed) {
   EXPECT_THROW(rival_displacement(slow, {}), InvalidParameter);
 }
 
+// A slide stops after the integral of v dv / m(v), m what friction and a viscous part of the scenario take.
+TEST(RivalLaws, ASlideStopsWhereItsEnergyIsSpent) {
+  for (const double viscous : {0.0, 0.8})
+    for (const double fading : {0.0, 0.05, 0.3}) {
+      Scenario slide;
+      slide.drive.amplitude = slide.drive.amplitude_y = 0;
+      slide.friction = {0.2, 0, 0, 0, 0};
+      slide.initial_velocity = {0.3, 0.4};
+      slide.viscous = viscous;
+      slide.duration = 2;
+      const double scale = fading > 0 ? fading : 0.5 / 4;
+      constexpr int kSteps = 20'000;
+      double way = 0;
+      for (int i = 0; i < kSteps; ++i) {
+        const double v = (i + 0.5) * 0.5 / kSteps;
+        way += v * (0.5 / kSteps) /
+               (0.2 * slide.drive.gravity * (1 + 0.4 * std::exp(-v * v / (scale * scale))) + viscous * v);
+      }
+      const Eigen::Vector2d end = rival_displacement(slide, {.stribeck = 0.4, .fading = fading});
+      EXPECT_LT((end - way * Eigen::Vector2d(0.6, 0.8)).norm(), 1e-7 * way) << viscous << " " << fading;
+    }
+  EXPECT_THROW(rival_displacement(Scenario{}, {.stribeck = 0.1, .fading = -1}), InvalidParameter);
+}
+
 // A part that is held at rest by more than mu1 starts later, and only there; mu2 matters in the gate alone.
 TEST(RivalLaws, StaticFrictionHoldsAndMu2RisesInItsGate) {
   Scenario sliding;  // never at rest but at the start, where the drive exceeds 1.1 mu1 g
