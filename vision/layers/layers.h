@@ -92,40 +92,35 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
 
 // Pictures of the learnt layers for debugging.
 
-/// Part, share of the ground, standard deviation that is left, ground and its
-/// standard deviation.
-void show_layers(const PartPictures& part, const GroundPicture& ground, DebugSink& sink);
-
-/// Prediction and residual of a frame in its measured state; reads it again.
-void show_layered_frame(const PartPictures& part, const GroundPicture& ground, const LayeredState& state,
-                        const ShownFrame& shown, FrameSource& source, DebugSink& sink);
+/// Part, share of the ground, standard deviation that is left, ground and its standard deviation; of each of
+/// the shown frames, which are read again, prediction and residual in its measured state.
+void show_layers(const PartPictures& part, const GroundPicture& ground, const MeasuredFrames& measured,
+                 const std::vector<FirstPassFrame>& frames, const std::vector<ShownFrame>& shown,
+                 FrameSource& source, DebugSink& sink);
 
 // The windows the layers are learnt from, and the platform's picture from the same frames.
 
 /// Frames spread over the recording, as many as memory has room for.
 class LearningFrames {
  public:
-  /// Keeps references. `reach` px about the part's centre, `hidden` the radius within which there is no
-  /// ground.
+  /// Keeps references. `reach` px about the part's centre.
   LearningFrames(FrameSource& source, const std::vector<FirstPassFrame>& frames, const FirstPassResult& first,
-                 double reach, double hidden);
+                 double reach);
 
   const Rect& region() const { return region_; }
   std::size_t count() const { return chosen_.size(); }
 
-  /// Their windows, in the order of time; and the ground, averaged from frames spread over the recording.
-  std::vector<KeptWindow> read(GroundPicture& ground);
-  /// The ground alone, again, seen from so near to the part.
-  void read_ground(GroundPicture& ground, double hidden);
+  /// Their windows, in the order of time.
+  std::vector<KeptWindow> read_windows() const;
+  /// The ground, averaged from frames spread over the recording; there is none within `hidden` px of the
+  /// part.
+  void read_ground(GroundPicture& ground, double hidden) const;
 
  private:
-  void read_ground(GroundPicture& ground);
-  Circle part_in(const FirstPassFrame& f) const { return {f.centre.x, f.centre.y, hidden_}; }
-
   FrameSource& source_;
   const std::vector<FirstPassFrame>& frames_;
   const FirstPassResult& first_;
-  double reach_, hidden_;
+  double reach_;
   Rect region_, read_;                               ///< the latter of every frame
   std::vector<std::size_t> chosen_, ground_frames_;  ///< of frames_
 };

@@ -274,12 +274,11 @@ Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& 
 }  // namespace
 
 LearningFrames::LearningFrames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                               const FirstPassResult& first, double reach, double hidden)
+                               const FirstPassResult& first, double reach)
     : source_(source),
       frames_(frames),
       first_(first),
       reach_(reach),
-      hidden_(hidden),
       region_(swath(frames, reach, source.bounds())),
       read_(common(region_, source.bounds())) {
   const double window_bytes =
@@ -296,8 +295,7 @@ LearningFrames::LearningFrames(FrameSource& source, const std::vector<FirstPassF
   for (std::size_t k = 0; k < spread.size(); k += stride) ground_frames_.push_back(spread[k]);
 }
 
-std::vector<KeptWindow> LearningFrames::read(GroundPicture& ground) {
-  read_ground(ground);
+std::vector<KeptWindow> LearningFrames::read_windows() const {
   std::vector<KeptWindow> kept;
   for (const std::size_t k : chosen_) {
     const FirstPassFrame& f = frames_[k];
@@ -310,17 +308,13 @@ std::vector<KeptWindow> LearningFrames::read(GroundPicture& ground) {
   return kept;
 }
 
-void LearningFrames::read_ground(GroundPicture& ground, double hidden) {
-  hidden_ = hidden;
+void LearningFrames::read_ground(GroundPicture& ground, double hidden) const {
   ground.forget();
-  read_ground(ground);
-}
-
-void LearningFrames::read_ground(GroundPicture& ground) {
   Picture wide;
   for (const std::size_t k : ground_frames_) {
     source_.read(frames_[k].index, read_, wide);
-    ground.add(wide, read_.x, read_.y, frames_[k].ground, part_in(frames_[k]));
+    const Point& part = frames_[k].centre;
+    ground.add(wide, read_.x, read_.y, frames_[k].ground, {part.x, part.y, hidden});
   }
   ground.finish(first_.noise_variance);
 }

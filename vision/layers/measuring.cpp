@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <span>
 #include <utility>
 
 #include "vision/audit/halves.h"
@@ -69,58 +70,32 @@ namespace {
 constexpr std::size_t kAtOnce = 64;  ///< frames shared among the threads
 constexpr std::size_t kRun = 128;    ///< frames over which a constant residual is an offset
 
-/// Gathers frames into runs, and gives each run's frames their covariance.
-class Runs {
- public:
-  Runs(MeasuredFrames& out, const LayeredRegistration& registration)
-      : out_(out), registration_(registration) {}
-
-  void add(ClusterPulls pulls) {
-    pulls_.push_back(std::move(pulls));
-    if (pulls_.size() == kRun) end_run();
-  }
-
-  void finish() {
-    end_run();
-    if (!(slow_ > 0)) return;
-    out_.slow_sd = std::sqrt(slow_ / weight_);
-    out_.slow_frames = slow_frames_ / slow_;
-  }
-
- private:
-  void end_run();
-
-  MeasuredFrames& out_;
-  const LayeredRegistration& registration_;
-  std::vector<ClusterPulls> pulls_;
-  std::size_t ended_ = 0;  ///< frames of the runs before
-  double slow_ = 0, slow_frames_ = 0, weight_ = 0;
+/// What is slow in the runs so far, weighted by their frames.
+struct SlowSums {
+  double variance = 0, frames = 0, weight = 0;
 };
 
-void Runs::end_run() {
-  std::vector<LayeredFix*> fixes;
-  double chi_squared = 0, variance = 0;
-  for (std::size_t k = ended_; k < out_.fixes.size(); ++k)
-    if (out_.fixes[k]) {
-      fixes.push_back(&*out_.fixes[k]);
-      chi_squared += fixes.back()->chi_squared;
-      variance += fixes.back()->covariance.trace();
-    }
-  ended_ = out_.fixes.size();
-  const auto n = static_cast<double>(fixes.size());
-  const RunScatter scatter = run_scatter(pulls_, registration_.share_taken());
-  pulls_.clear();
-  for (LayeredFix* fix : fixes)
-    if (scatter.covariance.trace() > 0) {
+/// Gives the frames of a run their covariance.
+void end_run(std::span<std::optional<LayeredFix>> run, const RunScatter& scatter, SlowSums& slow) {
+  double n = 0, chi_squared = 0, variance = 0;
+  for (const auto& fix : run) {
+    if (!fix) continue;
+    ++n;
+    chi_squared += fix->chi_squared;
+    variance += fix->covariance.trace();
+  }
+  for (auto& fix : run) {
+    if (!fix) continue;
+    if (scatter.covariance.trace() > 0)
       // In the shape of the run, in the size of this frame's own information and residuals.
       fix->covariance = scatter.covariance * (fix->covariance.trace() / (variance / n)) *
                         (fix->chi_squared / (chi_squared / n));
-    } else {
+    else
       fix->covariance *= fix->chi_squared;
-    }
-  slow_ += n * scatter.slow;
-  slow_frames_ += n * scatter.slow * scatter.slow_frames;
-  weight_ += n;
+  }
+  slow.variance += n * scatter.slow;
+  slow.frames += n * scatter.slow * scatter.slow_frames;
+  slow.weight += n;
 }
 
 /// What one frame gives.
@@ -136,7 +111,14 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
                               const LayeredRegistration& registration, const LearntPart& learnt, int threads,
                               const std::function<void(std::int64_t done)>& progress) {
   MeasuredFrames out;
-  Runs runs(out, registration);
+  SlowSums slow;
+  Pulls pulls;            // of the run at hand
+  std::size_t begun = 0;  // its first frame
+  const auto end = [&] {
+    end_run(std::span(out.fixes).subspan(begun), run_scatter(pulls, registration.share_taken()), slow);
+    begun = out.fixes.size();
+    pulls.clear();
+  };
   std::vector<LayeredRegistration> registrations(static_cast<std::size_t>(std::max(1, threads)),
                                                  registration);
   std::mutex reading;
@@ -162,11 +144,16 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
       out.fixes.push_back(sights[i].fix);
       if (sights[i].halves)
         out.audited.push_back({.index = static_cast<std::int64_t>(first + i), .error = *sights[i].halves});
-      if (sights[i].fix) runs.add(std::move(sights[i].pulls));
+      if (sights[i].fix) pulls.push_back(std::move(sights[i].pulls));
+      if (pulls.size() == kRun) end();
     }
     if (progress) progress(static_cast<std::int64_t>(first + sights.size()));
   }
-  runs.finish();
+  end();
+  if (slow.variance > 0) {
+    out.slow_sd = std::sqrt(slow.variance / slow.weight);
+    out.slow_frames = slow.frames / slow.variance;
+  }
   for (AuditFrame& frame : out.audited) {
     frame.covariance = out.fixes[static_cast<std::size_t>(frame.index)]->covariance;
     frame.index = frames[static_cast<std::size_t>(frame.index)].index;
@@ -217,7 +204,9 @@ Picture predicted(const PartPictures& part, const GroundPicture& ground, const L
 
 }  // namespace
 
-void show_layers(const PartPictures& part, const GroundPicture& ground, DebugSink& sink) {
+void show_layers(const PartPictures& part, const GroundPicture& ground, const MeasuredFrames& measured,
+                 const std::vector<FirstPassFrame>& frames, const std::vector<ShownFrame>& shown,
+                 FrameSource& source, DebugSink& sink) {
   const double half = part.half;
   const Point corner{static_cast<double>(ground.region().x), static_cast<double>(ground.region().y)};
   const auto show = [&](const char* name, const char* title, Picture levels, const char* unit,
@@ -240,13 +229,15 @@ void show_layers(const PartPictures& part, const GroundPicture& ground, DebugSin
        kOnGround);
   show("layers_ground_sd", "standard deviation of the background", square_roots(ground.variance()), kLevels,
        corner, kOnGround);
-}
-
-void show_layered_frame(const PartPictures& part, const GroundPicture& ground, const LayeredState& state,
-                        const ShownFrame& shown, FrameSource& source, DebugSink& sink) {
-  const Rect window = window_about(state.centre, part.half + kBeyond, source.bounds());
-  show_prediction(window_of(source, shown, window), predicted(part, ground, state, window), "layers",
-                  "part over background at the measured place", "layers: camera minus prediction", sink);
+  for (const ShownFrame& frame : shown) {
+    const auto at = std::ranges::find(frames, frame.index, &FirstPassFrame::index);
+    if (at == frames.end()) continue;
+    const auto& fix = measured.fixes[static_cast<std::size_t>(at - frames.begin())];
+    if (!fix) continue;
+    const Rect window = window_about(fix->state.centre, part.half + kBeyond, source.bounds());
+    show_prediction(window_of(source, frame, window), predicted(part, ground, fix->state, window), "layers",
+                    "part over background at the measured place", "layers: camera minus prediction", sink);
+  }
 }
 
 }  // namespace tribotrack::vision

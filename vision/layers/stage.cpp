@@ -89,88 +89,14 @@ std::int64_t move_rest(Track& track, const std::vector<std::size_t>& places,
   return count;
 }
 
-class LayeredPass {
- public:
-  LayeredPass(FrameSource& source, const std::vector<FirstPassFrame>& frames, const FirstPassResult& first,
-              const TrackOptions& options, const std::vector<ShownFrame>& shown, StageClock& clock)
-      : source_(source),
-        frames_(frames),
-        first_(first),
-        options_(options),
-        shown_(shown),
-        clock_(clock),
-        hidden_(layered_half(first.disc.radius, first.blur) - kTaper),
-        learning_frames_(source, frames, first, layered_reach(first.disc.radius, first.blur), hidden_),
-        ground_(learning_frames_.region()),
-        registration_(ground_) {}
-
-  /// Changes the points of `track` at the frames' places in it.
-  PassOutcome run(const std::vector<std::size_t>& places, Track& track) {
-    keep_windows();
-    learn();
-    if (learnt_.explained < kFewest)
-      return left_out("the pictures learnt explain hardly any frame; " + finding(first_));
-    measure();
-    show();
-    const auto fixes = centres_of_rim();
-    const Remeasurement change = compare(track, places, fixes);
-    if (change.count == 0) return left_out("the layers explain no frame; " + finding(first_));
-    replace(track, places, fixes);
-    return outcome(change, move_rest(track, places, fixes, change.moved), track);
-  }
-
- private:
-  PassOutcome outcome(const Remeasurement& change, std::int64_t kept, const Track& track);
-  void keep_windows();
-  void learn();
-  void measure();
-  std::vector<std::optional<Remeasured>> centres_of_rim() const;
-  void show();
-
-  FrameSource& source_;
-  const std::vector<FirstPassFrame>& frames_;
-  const FirstPassResult& first_;
-  const TrackOptions& options_;
-  const std::vector<ShownFrame>& shown_;
-  StageClock& clock_;
-  double hidden_;  ///< px about the part within which there is no ground
-  LearningFrames learning_frames_;
-  GroundPicture ground_;
-  std::vector<KeptWindow> kept_;
-  LayeredRegistration registration_;
-  LearntPart learnt_;
-  MeasuredFrames measured_;
-};
-
-void LayeredPass::keep_windows() {
-  const auto running = clock_.enter("layers: learning");
-  kept_ = learning_frames_.read(ground_);
-  // A picture that holds little more than the part shows its ground beside it only, in what shadow there is.
-  if (ground_.known_share() >= kFewestKnown) return;
-  hidden_ = first_.disc.radius + kClear * first_.blur;
-  learning_frames_.read_ground(ground_, hidden_);
-}
-
-void LayeredPass::learn() {
-  const auto running = clock_.enter("layers: learning");
-  learnt_ = learn_part(kept_, ground_, registration_, first_, hidden_, options_.threads);
-}
-
-void LayeredPass::measure() {
-  const auto running = clock_.enter("layers: measuring");
-  measured_ =
-      measure_frames(source_, frames_, registration_, learnt_, options_.threads, [this](std::int64_t done) {
-        if (options_.progress) options_.progress((first_.total + done) / 2, first_.total);
-      });
-}
-
 /// Positions are those of the rim's centre in the averaged picture.
-std::vector<std::optional<Remeasured>> LayeredPass::centres_of_rim() const {
-  const double half = learnt_.part.half;
-  const auto rim = fit_disc(learnt_.part.level, {half, half, first_.disc.radius}, 2);
+std::vector<std::optional<Remeasured>> centres_of_rim(const MeasuredFrames& measured,
+                                                      const PartPictures& part, double radius) {
+  const double half = part.half;
+  const auto rim = fit_disc(part.level, {half, half, radius}, 2);
   const Point off = rim ? Point{rim->circle.x - half, rim->circle.y - half} : Point{};
   std::vector<std::optional<Remeasured>> out;
-  for (const auto& fix : measured_.fixes) {
+  for (const auto& fix : measured.fixes) {
     out.emplace_back();
     if (!fix) continue;
     const Point& c = fix->state.centre;
@@ -179,47 +105,18 @@ std::vector<std::optional<Remeasured>> LayeredPass::centres_of_rim() const {
   return out;
 }
 
-/// To the debug sink: the layers, and the frames chosen for it.
-void LayeredPass::show() {
-  if (!options_.debug) return;
-  const auto running = clock_.enter("debug pictures");
-  show_layers(learnt_.part, ground_, *options_.debug);
-  for (std::size_t k = 0; k < frames_.size(); ++k) {
-    const auto shown = std::ranges::find(shown_, frames_[k].index, &ShownFrame::index);
-    const auto& fix = measured_.fixes[k];
-    if (shown != shown_.end() && fix)
-      show_layered_frame(learnt_.part, ground_, fix->state, *shown, source_, *options_.debug);
-  }
-}
-
-PassOutcome LayeredPass::outcome(const Remeasurement& change, std::int64_t kept, const Track& track) {
-  PassOutcome out;
-  out.limit_px = change.median_sd;
-  out.slow_sd = measured_.slow_sd;
-  const double duration = track.points.back().time_s - track.points.front().time_s;
-  out.slow_time =
-      measured_.slow_frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
-  out.audited = std::move(measured_.audited);
+PlanStage used(const FirstPassResult& first, const LearntPart& learnt, std::size_t windows, double slow_sd,
+               double moved) {
   // Of what the frames tell at a place its share of the ground and the ground there take one frame's each.
-  out.stage = {
+  return {
       .name = kName,
       .on = true,
       .reason = fmt::format("{}; learnt from {} frames in {} rounds; {:.4f} px of the errors change slowly; "
-                            "positions moved by "
-                            "{:.4f} px rms; what frames share through the noise of the pictures, some "
-                            "{:.1f} % of a position's "
-                            "variance, is not counted between them",
-                            finding(first_), kept_.size(), learnt_.rounds, measured_.slow_sd, change.differ,
-                            200.0 / static_cast<double>(std::max<std::size_t>(1, kept_.size()))),
-      .error_bound_px = change.differ};
-  if (kept > 0)
-    out.warnings.push_back(fmt::format(
-        "{} frames keep the position of the first pass, in which the ground is seen through the edge "
-        "(the ground about the part is not known there, or something covers it): their standard deviations "
-        "are "
-        "wider",
-        kept));
-  return out;
+                            "positions moved by {:.4f} px rms; what frames share through the noise of the "
+                            "pictures, some {:.1f} % of a position's variance, is not counted between them",
+                            finding(first), windows, learnt.rounds, slow_sd, moved,
+                            200.0 / static_cast<double>(std::max<std::size_t>(1, windows))),
+      .error_bound_px = moved};
 }
 
 }  // namespace
@@ -240,10 +137,53 @@ int layered_half(double radius, double blur) {
 PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                           const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
   if (auto against = reason_against(first, track, options.layers)) return *against;
-  const SeenFrames seen = seen_frames(track, first.first_index, true);
-  if (seen.frames.size() < kFewest)
-    return left_out("too few frames to learn the layers from; " + finding(first));
-  return LayeredPass(source, seen.frames, first, options, shown, clock).run(seen.places, track);
+  const auto [frames, places] = seen_frames(track, first.first_index, true);
+  if (frames.size() < kFewest) return left_out("too few frames to learn the layers from; " + finding(first));
+  const auto learning_runs = clock.enter("layers: learning");
+  double hidden = layered_half(first.disc.radius, first.blur) - kTaper;  // px about the part: no ground
+  LearningFrames learning(source, frames, first, layered_reach(first.disc.radius, first.blur));
+  GroundPicture ground(learning.region());
+  learning.read_ground(ground, hidden);
+  // A picture that holds little more than the part shows its ground beside it only, in what shadow there is.
+  if (ground.known_share() < kFewestKnown) {
+    hidden = first.disc.radius + kClear * first.blur;
+    learning.read_ground(ground, hidden);
+  }
+  std::vector<KeptWindow> windows = learning.read_windows();
+  LayeredRegistration registration(ground);
+  const LearntPart learnt = learn_part(windows, ground, registration, first, hidden, options.threads);
+  if (learnt.explained < kFewest)
+    return left_out("the pictures learnt explain hardly any frame; " + finding(first));
+  const auto measuring_runs = clock.enter("layers: measuring");
+  MeasuredFrames measured =
+      measure_frames(source, frames, registration, learnt, options.threads, [&](std::int64_t done) {
+        if (options.progress) options.progress((first.total + done) / 2, first.total);
+      });
+  if (options.debug) {
+    const auto showing = clock.enter("debug pictures");
+    show_layers(learnt.part, ground, measured, frames, shown, source, *options.debug);
+  }
+
+  const auto fixes = centres_of_rim(measured, learnt.part, first.disc.radius);
+  const Remeasurement change = compare(track, places, fixes);
+  if (change.count == 0) return left_out("the layers explain no frame; " + finding(first));
+  replace(track, places, fixes);
+  const std::int64_t kept = move_rest(track, places, fixes, change.moved);
+  PassOutcome out;
+  out.stage = used(first, learnt, windows.size(), measured.slow_sd, change.differ);
+  out.limit_px = change.median_sd;
+  out.slow_sd = measured.slow_sd;
+  const double duration = track.points.back().time_s - track.points.front().time_s;
+  out.slow_time =
+      measured.slow_frames * duration / std::max<double>(1, static_cast<double>(track.points.size()) - 1);
+  out.audited = std::move(measured.audited);
+  if (kept > 0)
+    out.warnings.push_back(fmt::format(
+        "{} frames keep the position of the first pass, in which the ground is seen through the edge "
+        "(the ground about the part is not known there, or something covers it): their standard deviations "
+        "are wider",
+        kept));
+  return out;
 }
 
 Rect read_again(const FirstPassResult& first, Layers layers, std::int64_t index, const Point& centre,

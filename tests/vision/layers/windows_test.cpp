@@ -21,7 +21,7 @@ TEST(LearningFrames, FitIntoMemory) {
   constexpr double kPad = QuinticSpline::kPad;
   double before = 129;
   for (const double reach : {30.0, 200.0, 300.0, 500.0}) {
-    const LearningFrames learning(source, frames, first, reach, reach);
+    const LearningFrames learning(source, frames, first, reach);
     // A window and its spline, and the ground's pictures. Sixteen windows are kept whatever they take.
     const double window = 4 * (std::pow(2 * reach + 1, 2) + std::pow(2 * reach + 1 + 2 * kPad, 2));
     const double ground = 40.0 * learning.region().width * learning.region().height;
