@@ -187,7 +187,7 @@ void Tracking::follow() {
 /// The second pass, kept where it does better than the first.
 void Tracking::measure_layers() {
   const FirstPassResult& first = first_pass_->result();
-  const std::vector<ShownFrame> shown = frames_to_show(result_.track, first, options_);
+  const ShownFrames shown = frames_to_show(result_.track, first, options_);
   first_pass_->show(result_.track, shown);
   first_track_ = result_.track;
   audited_ = first.audited;

@@ -25,7 +25,7 @@ namespace tribotrack::vision {
 /// and correlations of the track's ok points change, never their status. `shown` frames go to
 /// TrackOptions::debug.
 PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
-                          const std::vector<ShownFrame>& shown, StageClock& clock, Track& track);
+                          const ShownFrames& shown, StageClock& clock, Track& track);
 
 /// Frames spread over a recording that the layers are learnt from, as far as the part is seen in them. The
 /// layers' own noise adds 1 / kLearningFrames to the variance.
@@ -39,8 +39,6 @@ int layered_half(double radius, double blur);
 /// window about the part, or all of a frame that the layers are probably learnt from; empty for nothing.
 Rect read_again(const FirstPassResult& first, Layers layers, std::int64_t index, const Point& centre,
                 const Rect& bounds);
-
-// Every frame measured over the pictures learnt.
 
 // Learning the part's pictures from kept windows: which pictures, and where in each window?
 //
@@ -92,11 +90,11 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
 
 // Pictures of the learnt layers for debugging.
 
-/// Part, share of the ground, standard deviation that is left, ground and its standard deviation; of each of
-/// the shown frames, which are read again, prediction and residual in its measured state.
+/// Part, share of the ground, ground; of each of the shown frames, which are read again, prediction and
+/// residual in its measured state.
 void show_layers(const PartPictures& part, const GroundPicture& ground, const MeasuredFrames& measured,
-                 const std::vector<FirstPassFrame>& frames, const std::vector<ShownFrame>& shown,
-                 FrameSource& source, DebugSink& sink);
+                 const std::vector<FirstPassFrame>& frames, const ShownFrames& shown, FrameSource& source,
+                 DebugSink& sink);
 
 // The windows the layers are learnt from, and the platform's picture from the same frames.
 

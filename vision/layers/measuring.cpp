@@ -165,16 +165,10 @@ namespace {
 
 constexpr double kBeyond = 2;  ///< px shown about the part's grid
 
-Picture square_roots(Picture picture) {
-  for (float& level : picture.levels()) level = std::sqrt(std::max(0.0F, level));
-  return picture;
-}
-
 Picture ground_levels(const GroundPicture& ground) {
   const Rect& region = ground.region();
-  Picture level(region.width, region.height), variance(region.width, region.height);
-  ground.sample(region.x, region.y, region.width, region.height, level.levels().data(),
-                variance.levels().data());
+  Picture level(region.width, region.height);
+  ground.spline().sample_window(0, 0, region.width, region.height, level.levels().data(), nullptr, nullptr);
   for (float& l : level.levels()) l += static_cast<float>(ground.mean());
   return level;
 }
@@ -205,32 +199,28 @@ Picture predicted(const PartPictures& part, const GroundPicture& ground, const L
 }  // namespace
 
 void show_layers(const PartPictures& part, const GroundPicture& ground, const MeasuredFrames& measured,
-                 const std::vector<FirstPassFrame>& frames, const std::vector<ShownFrame>& shown,
-                 FrameSource& source, DebugSink& sink) {
+                 const std::vector<FirstPassFrame>& frames, const ShownFrames& shown, FrameSource& source,
+                 DebugSink& sink) {
   const double half = part.half;
   const Point corner{static_cast<double>(ground.region().x), static_cast<double>(ground.region().y)};
-  const auto show = [&](const char* name, const char* title, Picture levels, const char* unit,
-                        const Point& first, const char* place) {
-    sink.show(StagePicture{.name = name,
-                           .title = title,
-                           .levels = std::move(levels),
-                           .unit = unit,
-                           .first = first,
-                           .place = place});
-  };
-  constexpr const char *kLevels = "grey levels", *kOnPart = "from the part's centre",
-                       *kOnGround = "of the platform";
-  show("layers_part", "the part learnt, on ground of mean level", part.level, kLevels, {-half, -half},
-       kOnPart);
-  show("layers_share", "share of the ground that shows", part.share, "share", {-half, -half}, kOnPart);
-  show("layers_part_sd", "standard deviation left unexplained", square_roots(part.variance), kLevels,
-       {-half, -half}, kOnPart);
-  show("layers_ground", "the background learnt (the platform)", ground_levels(ground), kLevels, corner,
-       kOnGround);
-  show("layers_ground_sd", "standard deviation of the background", square_roots(ground.variance()), kLevels,
-       corner, kOnGround);
-  for (const ShownFrame& frame : shown) {
-    const auto at = std::ranges::find(frames, frame.index, &FirstPassFrame::index);
+  sink.show({.name = "layers_part",
+             .title = "the part learnt, on ground of mean level",
+             .levels = part.level,
+             .first = {-half, -half},
+             .place = "from the part's centre"});
+  sink.show({.name = "layers_share",
+             .title = "share of the ground that shows",
+             .levels = part.share,
+             .unit = "share",
+             .first = {-half, -half},
+             .place = "from the part's centre"});
+  sink.show({.name = "layers_ground",
+             .title = "the background learnt (the platform)",
+             .levels = ground_levels(ground),
+             .first = corner,
+             .place = "of the platform"});
+  for (const auto& frame : shown) {
+    const auto at = std::ranges::find(frames, frame.first, &FirstPassFrame::index);
     if (at == frames.end()) continue;
     const auto& fix = measured.fixes[static_cast<std::size_t>(at - frames.begin())];
     if (!fix) continue;

@@ -135,7 +135,7 @@ int layered_half(double radius, double blur) {
 }
 
 PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
-                          const std::vector<ShownFrame>& shown, StageClock& clock, Track& track) {
+                          const ShownFrames& shown, StageClock& clock, Track& track) {
   if (auto against = reason_against(first, track, options.layers)) return *against;
   const auto [frames, places] = seen_frames(track, first.first_index, true);
   if (frames.size() < kFewest) return left_out("too few frames to learn the layers from; " + finding(first));

@@ -44,33 +44,22 @@ FrameRange frames_to_analyse(const FrameSource& source, const TrackOptions& opti
   return {first - low, last - low};
 }
 
-namespace {
-
-void add(std::vector<ShownFrame>& shown, std::int64_t index, const char* why) {
-  const auto same = std::ranges::find(shown, index, &ShownFrame::index);
-  if (same == shown.end())
-    shown.push_back({index, why});
-  else
-    same->why += std::string(", ") + why;
-}
-
-}  // namespace
-
-std::vector<ShownFrame> frames_to_show(const Track& track, const FirstPassResult& first,
-                                       const TrackOptions& options) {
-  std::vector<ShownFrame> shown;
-  if (!options.debug || track.points.empty()) return shown;
+ShownFrames frames_to_show(const Track& track, const FirstPassResult& first, const TrackOptions& options) {
+  ShownFrames shown;
   std::vector<std::int64_t> seen;
   for (std::size_t k = 0; k < track.points.size(); ++k)
     if (track.points[k].status == TrackStatus::ok)
       seen.push_back(first.first_index + static_cast<std::int64_t>(k));
-  if (seen.empty()) return shown;
-  add(shown, seen.front(), "first");
-  add(shown, seen[seen.size() / 2], "middle");
-  add(shown, seen.back(), "last");
+  if (!options.debug || seen.empty()) return shown;
+  const auto add = [&](std::int64_t index, const char* why) {
+    std::string& all = shown[index];
+    all += (all.empty() ? "" : ", ") + std::string(why);
+  };
+  add(seen.front(), "first");
+  add(seen[seen.size() / 2], "middle");
+  add(seen.back(), "last");
   const auto worst = std::ranges::max_element(first.looks, {}, &PartLook::residual);
-  if (worst->residual > 0) add(shown, first.first_index + (worst - first.looks.begin()), "largest residual");
-  std::ranges::sort(shown, {}, &ShownFrame::index);
+  if (worst->residual > 0) add(first.first_index + (worst - first.looks.begin()), "largest residual");
   return shown;
 }
 
@@ -111,15 +100,15 @@ void replace(Track& track, const std::vector<std::size_t>& places,
   }
 }
 
-StagePicture window_of(FrameSource& source, const ShownFrame& shown, const Rect& window) {
+StagePicture window_of(FrameSource& source, const ShownFrames::value_type& shown, const Rect& window) {
   StagePicture seen{.name = "window",
                     .title = "the camera's picture about the part",
-                    .frame = source.number(shown.index),
-                    .why_frame = shown.why,
+                    .frame = source.number(shown.first),
+                    .why_frame = shown.second,
                     .levels = {},
                     .first = {static_cast<double>(window.x), static_cast<double>(window.y)},
                     .place = "of the camera"};
-  source.read(shown.index, window, seen.levels);
+  source.read(shown.first, window, seen.levels);
   const auto [low, high] = std::ranges::minmax(seen.levels.levels());
   seen.low = low;
   seen.high = high;

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <chrono>
 #include <cstdint>
-#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <thread>
@@ -117,14 +117,11 @@ struct PassOutcome {
 
 // What is shown to TrackOptions::debug: which frames, and in which range of levels.
 
-struct ShownFrame {
-  std::int64_t index = 0;  ///< in the source; of status ok
-  std::string why;
-};
+/// Why a frame of status ok is shown, by its index in the source.
+using ShownFrames = std::map<std::int64_t, std::string>;
 
-/// In order. None without TrackOptions::debug.
-std::vector<ShownFrame> frames_to_show(const Track& track, const FirstPassResult& first,
-                                       const TrackOptions& options);
+/// None without TrackOptions::debug.
+ShownFrames frames_to_show(const Track& track, const FirstPassResult& first, const TrackOptions& options);
 
 /// What a stage predicts of a window of a frame, and what it leaves of it: pictures `stage`_predicted and
 /// `stage`_residual. `seen` is the window, with frame and first pixel; the prediction is drawn in its range.
@@ -132,7 +129,7 @@ void show_prediction(const StagePicture& seen, Picture predicted, const std::str
                      const std::string& title, const std::string& residual_title, DebugSink& sink);
 
 /// The camera's picture in a window of a frame that is shown, all of its range.
-StagePicture window_of(FrameSource& source, const ShownFrame& shown, const Rect& window);
+StagePicture window_of(FrameSource& source, const ShownFrames::value_type& shown, const Rect& window);
 
 // Where the time goes: every moment of the tracking belongs to exactly one stage.
 

@@ -203,7 +203,7 @@ Track FirstPass::finish() {
   return std::move(track_);
 }
 
-void FirstPass::show(const Track& track, const std::vector<ShownFrame>& frames) {
+void FirstPass::show(const Track& track, const ShownFrames& frames) {
   if (!options_.debug) return;
   show_first_pass(setup_, first_, track, frames, source_, *options_.debug);
 }

@@ -61,7 +61,7 @@ class FirstPass {
   /// Complete after finish().
   const FirstPassResult& result() const { return setup_.result; }
   /// To TrackOptions::debug: template, weights, and in each of these frames window, prediction and residual.
-  void show(const Track& track, const std::vector<ShownFrame>& frames);
+  void show(const Track& track, const ShownFrames& frames);
 
  private:
   FollowStep follow_part(std::int64_t index);

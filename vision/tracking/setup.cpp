@@ -224,7 +224,7 @@ Picture predicted(const TemplateRegistration& registration, const Registration& 
 }  // namespace
 
 void show_first_pass(const PartSetup& part, const Picture& first, const Track& track,
-                     const std::vector<ShownFrame>& frames, FrameSource& source, DebugSink& sink) {
+                     const ShownFrames& frames, FrameSource& source, DebugSink& sink) {
   TemplateRegistration registration(part.average.picture(first), part.pattern, part.follow);
   const Rect& whole = part.pattern.window;
   sink.show(StagePicture{
@@ -234,8 +234,8 @@ void show_first_pass(const PartSetup& part, const Picture& first, const Track& t
       .levels = registration.at({}, whole),
       .first = {static_cast<double>(whole.x), static_cast<double>(whole.y)},
       .place = "of the camera"});
-  for (const ShownFrame& shown : frames) {
-    const auto place = static_cast<std::size_t>(shown.index - part.result.first_index);
+  for (const auto& shown : frames) {
+    const auto place = static_cast<std::size_t>(shown.first - part.result.first_index);
     const TrackPoint& point = track.points[place];
     const Pose pose{point.x - part.pattern.centre.x, point.y - part.pattern.centre.y,
                     part.result.looks[place].theta};

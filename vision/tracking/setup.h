@@ -73,7 +73,7 @@ PartSetup set_up_part(const Picture& first, FrameSource& source, const FrameRang
 /// The template; window, prediction by the template and residual in each of these frames, which are read
 /// again. `track` as the first pass left it.
 void show_first_pass(const PartSetup& part, const Picture& first, const Track& track,
-                     const std::vector<ShownFrame>& frames, FrameSource& source, DebugSink& sink);
+                     const ShownFrames& frames, FrameSource& source, DebugSink& sink);
 
 // How the platform moves: by a mark on it, or by its ground.
 

@@ -65,8 +65,8 @@ void GroundPicture::add(const Picture& picture, int x, int y, const Point& displ
   });
 }
 
-/// Mean, texture and unrest of the places uncovered often enough.
-void GroundPicture::summarise(double noise_variance) {
+/// Mean, texture and unrest are those of the places uncovered often enough.
+void GroundPicture::finish(double noise_variance) {
   std::vector<double> variances;
   double sum = 0, square = 0;
   const std::span<const float> sums = away_.sum.levels();
@@ -78,16 +78,13 @@ void GroundPicture::summarise(double noise_variance) {
     sum += mean;
     square += mean * mean - noise_variance / n;
   }
-  if (variances.empty()) return;
-  const auto places = static_cast<double>(variances.size());
-  known_share_ = places / static_cast<double>(sums.size());
-  mean_ = sum / places;
-  texture_ = std::sqrt(std::max(0.0, square / places - mean_ * mean_));
-  unrest_ = median(variances);
-}
-
-void GroundPicture::finish(double noise_variance) {
-  summarise(noise_variance);
+  if (!variances.empty()) {
+    const auto places = static_cast<double>(variances.size());
+    known_share_ = places / static_cast<double>(sums.size());
+    mean_ = sum / places;
+    texture_ = std::sqrt(std::max(0.0, square / places - mean_ * mean_));
+    unrest_ = median(variances);
+  }
   form(noise_variance);
 }
 
@@ -221,7 +218,6 @@ void GroundPicture::sample(double x0, double y0, int width, int height, float* l
       if (inside) continue;
       const SplineSample s = spline_.sample(left + i, top + j);
       level[at] = static_cast<float>(s.value);
-      if (!slope_x) continue;
       slope_x[at] = static_cast<float>(s.slope_x);
       slope_y[at] = static_cast<float>(s.slope_y);
     }

@@ -114,10 +114,9 @@ class GroundPicture {
                   int threads = 1);
 
   const Rect& region() const { return region_; }
-  /// G - mean G and its variance at places (x0 + i, y0 + j); beyond the region as at its border. Slopes may
-  /// be null, both together.
-  void sample(double x0, double y0, int width, int height, float* level, float* variance,
-              float* slope_x = nullptr, float* slope_y = nullptr) const;
+  /// G - mean G, its variance and slopes at places (x0 + i, y0 + j); beyond the region as at its border.
+  void sample(double x0, double y0, int width, int height, float* level, float* variance, float* slope_x,
+              float* slope_y) const;
   /// Of G - mean G; 0 where the ground was never seen. Its first pixel is region()'s first place.
   const QuinticSpline& spline() const { return spline_; }
   /// Of G at the places of the region, grey levels^2: that of the estimate of least mean square error,
@@ -130,7 +129,6 @@ class GroundPicture {
  private:
   void see_beside(const KeptWindow& window, int part_half, const QuinticSpline& level,
                   const QuinticSpline& share, double hidden, const Rect& rows);
-  void summarise(double noise_variance);
   void form(double noise_variance);
 
   Rect region_;
