@@ -140,7 +140,7 @@ class Tracking {
   Appearance appearance_;               ///< where the part is first seen
   std::int64_t start_ = 0;              ///< in that frame
   std::unique_ptr<FirstPass> first_pass_;
-  std::optional<CodingWatch> coding_;
+  std::vector<WatchedFrame> coded_;
   Track first_track_;                    ///< of the first pass
   std::optional<OuterEdge> outer_edge_;  ///< where it was looked for before, from the first pass' radius
   std::vector<AuditFrame> audited_;      ///< of the pass that the positions are from
@@ -172,11 +172,12 @@ void Tracking::follow() {
   first_pass_ = std::make_unique<FirstPass>(frames(), FrameRange{start_, range_.last}, appearance_, camera_,
                                             options_, clock_, result_.summary);
   const FirstPassResult& first = first_pass_->result();
-  coding_.emplace(recording_, first.disc.radius);
   for (std::int64_t k = 0; k < first.total; ++k) {
     if (const auto seen = first_pass_->step(start_ + k)) {
       cache_.keep(start_ + k, read_again(first, options_.layers, start_ + k, *seen, cache_.bounds()));
-      coding_->see(start_ + k, *seen, first_pass_->mark());
+      if (recording_.info().coder)
+        coded_.push_back(
+            watched(recording_, start_ + k, {seen->x, seen->y, first.disc.radius}, first_pass_->mark()));
     }
     if (options_.progress) options_.progress((k + 1) / (options_.layers == Layers::off ? 1 : 2), first.total);
   }
@@ -256,10 +257,9 @@ void Tracking::audit_track() {
 
 /// What a lossy coder does beside what the audit finds.
 void Tracking::allow_for_coding() {
-  const auto& coder = recording_.info().coder;
-  if (!coder || coding_->frames().empty()) return;
+  if (coded_.empty()) return;
   const auto running = clock_.enter("audit");
-  CodedTrack coded{.coder = *coder, .frames = coding_->frames(), .first_index = start_};
+  CodedTrack coded{.coder = *recording_.info().coder, .frames = coded_, .first_index = start_};
   const std::int64_t first = coded.frames.front().index;
   const Picture picture = frames().read(first);
   const TrackPoint& at = result_.track.points[static_cast<std::size_t>(first - start_)];

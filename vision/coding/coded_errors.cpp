@@ -70,14 +70,14 @@ RimCoding picture_coding(const CodedFrame& frame) {
 
 }  // namespace
 
-void CodingWatch::see(std::int64_t index, const Point& centre, const std::optional<Circle>& mark) {
-  if (!recording_.info().coder) return;
-  WatchedFrame& frame = frames_.emplace_back();
-  frame.index = index;
-  const CodedFrame* coded = recording_.coded(index);
-  if (!coded) return;
-  frame.part = rim_coding(*coded, {centre.x, centre.y, radius_});
-  frame.mark = mark ? rim_coding(*coded, *mark) : picture_coding(*coded);
+WatchedFrame watched(const FrameSource& recording, std::int64_t index, const Circle& part,
+                     const std::optional<Circle>& mark) {
+  WatchedFrame frame{.index = index, .part = {}, .mark = {}};
+  if (const CodedFrame* coded = recording.coded(index)) {
+    frame.part = rim_coding(*coded, part);
+    frame.mark = mark ? rim_coding(*coded, *mark) : picture_coding(*coded);
+  }
+  return frame;
 }
 
 namespace {

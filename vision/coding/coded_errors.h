@@ -55,21 +55,10 @@ struct WatchedFrame {
   RimCoding mark;  ///< the round mark, or all of the picture where the ground serves as one
 };
 
-/// Nothing is gathered from recordings that no lossy coder made.
-class CodingWatch {
- public:
-  /// `recording` is the one that decodes, not what caches it. Keeps the reference.
-  CodingWatch(const FrameSource& recording, double part_radius)
-      : recording_(recording), radius_(part_radius) {}
-  /// The part's centre, and the round mark where one was seen. The frame was read just now.
-  void see(std::int64_t index, const Point& centre, const std::optional<Circle>& mark);
-  const std::vector<WatchedFrame>& frames() const { return frames_; }
-
- private:
-  const FrameSource& recording_;
-  double radius_;
-  std::vector<WatchedFrame> frames_;
-};
+/// Of the frame that was read just now: the part, and the round mark where one was seen. `recording` is the
+/// one that decodes, not what caches it.
+WatchedFrame watched(const FrameSource& recording, std::int64_t index, const Circle& part,
+                     const std::optional<Circle>& mark);
 
 // How far a part can move before its coder notices.
 //

@@ -76,20 +76,6 @@ MarkerPoint marker_point(const GroundFix& fix, const Point& middle) {
   return point;
 }
 
-/// Averaged over the first frames where its noise matters.
-PatternFollower marker_follower(const Picture& first, FrameSource& source, const FrameRange& range,
-                                const Circle& circle, double min_ncc, double noise_variance) {
-  FollowOptions follow;
-  follow.min_ncc = min_ncc;
-  follow.noise_variance = noise_variance;
-  follow.search_whole_frame = false;
-  const Pattern pattern = disc_pattern(first, circle);
-  const double noise_cost = TemplateRegistration(first, pattern, follow).template_noise_cost();
-  const AveragedTemplate average =
-      quiet_template(source, first, range.first, range.last, pattern, noise_cost, follow);
-  return {average.picture(first), range.first, pattern, follow};
-}
-
 }  // namespace
 
 std::optional<PatternFollower> set_up_marker(const Picture& first, FrameSource& source,
@@ -124,7 +110,15 @@ std::optional<PatternFollower> set_up_marker(const Picture& first, FrameSource& 
        .on = true,
        .reason = fmt::format("at ({:.1f}, {:.1f}) px, radius {:.1f} px: its motion is subtracted", circle.x,
                              circle.y, circle.radius)});
-  return marker_follower(first, source, range, circle, options.min_ncc, noise_variance);
+  FollowOptions follow;
+  follow.min_ncc = options.min_ncc;
+  follow.noise_variance = noise_variance;
+  follow.search_whole_frame = false;
+  const Pattern pattern = disc_pattern(first, circle);
+  const double noise_cost = TemplateRegistration(first, pattern, follow).template_noise_cost();
+  const AveragedTemplate average =
+      quiet_template(source, first, range.first, range.last, pattern, noise_cost, follow);
+  return PatternFollower(average.picture(first), range.first, pattern, follow);
 }
 
 std::vector<Circle> over_ground(const Point& part, const Pattern& pattern, const TrackOptions& options) {
