@@ -259,7 +259,7 @@ struct Reader {
     if (const auto read = table.text(key.name)) *value = folder / *read;
   }
   void operator()(std::optional<vision::Circle>* value) const {
-    *value = read_circle(table, key.name.c_str());
+    if (const auto read = read_circle(table, key.name.c_str())) *value = *read;
   }
   void operator()(vision::Target* value) const {
     if (key.kind.form == Kind::rectangle) {

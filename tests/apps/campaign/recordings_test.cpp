@@ -89,6 +89,22 @@ TEST_F(TrackRecording, ADiameterCountsTheChamferAndChecksAnotherScale) {
 }
 
 // A recording that is still being copied must not be recorded as the one that was tracked.
+TEST_F(TrackRecording, WhatAFileOfSettingsHoldsStaysBesideTheFlags) {
+  put(in_folder("k.toml"),
+      "[camera]\nmarker_px = [40, 40, 9]\ngate_px = [9, 9, 3]\ndisc_px = [80, 60, 12]\n[part]\ndiameter_mm = "
+      "2\n");
+  TrackChoices choices;
+  choices.config = in_folder("k.toml").string();
+  choices.keys["camera"]["xi_axis_rad"] = 0.1;
+  const Recording recording = recording_of(recording_.video, choices);
+  EXPECT_EQ(recording.options.marker.kind, vision::MarkerChoice::Kind::circle);
+  EXPECT_EQ(recording.options.marker.circle.radius, 9);
+  ASSERT_TRUE(recording.options.gate.has_value());
+  EXPECT_EQ(recording.options.gate->radius, 3);
+  EXPECT_EQ(recording.options.target.disc.radius, 12);
+  EXPECT_EQ(recording.part.diameter_mm, 2.0);
+}
+
 TEST_F(TrackRecording, ARecordingThatChangesMeanwhileIsRefused) {
   recording_.options.progress = [&](std::int64_t, std::int64_t) {
     std::ofstream(in_folder("a.cine"), std::ios::app) << "more";
