@@ -52,7 +52,7 @@ enum class FitParameter {
   mu2_width,       ///< 1/rad, relative rise of mu2 with the width of the gate, about the mean of all runs
   wear,            ///< relative rise of mu1 and mu2 from the first run of the campaign to the last
   stribeck,        ///< relative
-  stribeck_speed,  ///< m/s: RivalLaw::fading
+  stribeck_speed,  ///< RivalLaw::fading, relative to A w or, where nothing is driven, to the fastest slide
   viscous,         ///< 1/s
   gate_edges,      ///< rad^2, square of what each change of mu takes: displacements are linear in it
   mu2_speed,       ///< relative rise of mu2 at the platform's speed

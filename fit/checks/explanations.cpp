@@ -139,7 +139,7 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
     for (std::size_t i = 0; i < list.size(); ++i) {
       const bool bad_run = list[i].found.name == "bad_run";
       if (!list[i].problem) continue;
-      if (bad_run || (i < kMostFits && gain(list[i].found, runs) > least))
+      if (bad_run || list[i].found.name == kStribeck || (i < kMostFits && gain(list[i].found, runs) > least))
         list[i].values = tests.refit(list[i].problem(), list[i].candidate, bad_run, list[i].found);
     }
     if (const auto spinning =

@@ -29,7 +29,7 @@ const std::vector<Candidate>& candidates() {
       {"clock", "another frequency of the platform", "%", 0, {angular_frequency}},
       {"scale", "another scale", "%", 100, {scale}},
       {"start_phase", "another phase of the platform at the start", "rad", 1, {start_phase}},
-      {"stribeck", "friction that falls with speed (Stribeck)", "%", 100, {stribeck}, true},
+      {kStribeck.data(), "friction that falls with speed (Stribeck)", "%", 100, {stribeck}, true},
       {"viscous", "friction that rises with speed (viscous)", "1/s", 1, {viscous}, true},
       {"mu2_speed", "a reduced friction that rises with speed", "%", 100, {mu2_speed}, true},
       {"mu2_width", "a reduced friction that changes with the width of the gate", "%/rad", 100, {mu2_width}},
@@ -48,11 +48,8 @@ Problem with_free(Problem problem, const std::vector<FitParameter>& quantities) 
     const double size = std::abs(Unknowns(problem).as_given(quantity));
     const bool sized = quantity == FitParameter::amplitude || quantity == FitParameter::angular_frequency;
     problem.conditions.push_back({quantity, kUnknown * (sized ? size : 1), kSetFree});
-    if (quantity == FitParameter::stribeck) {
-      // Which the data need not tell: of the order of the speeds there are.
-      const double speed = Unknowns(problem).as_given(FitParameter::stribeck_speed);
-      problem.conditions.push_back({FitParameter::stribeck_speed, speed, kSetFree});
-    }
+    if (quantity == FitParameter::stribeck && !Unknowns(problem).find(FitParameter::stribeck_speed))
+      problem.conditions.push_back({FitParameter::stribeck_speed, kStribeckSpeed, kSetFree});
   }
   return problem;
 }
@@ -187,15 +184,24 @@ Eigen::VectorXd ScoreTests::refit(const Problem& problem, const Candidate* candi
   constexpr int kMostSteps = 12;
   constexpr double kShare = 1e-5;  ///< of chi^2 that rejects the fit: what is left of it at a kink
   const Unknowns unknowns(problem);
-  const Eigen::VectorXd start = unknowns.values_of(unknowns_, values_);
-  Residuals residuals = of(unknowns, start);
-  residuals.set_own_errors(start);
-  residuals.linearise(start);
-  const Eigen::VectorXd from = home_in ? homed_in(residuals, unknowns.z(start)).z : unknowns.z(start);
-  const Minimum minimum = linearised(
-      residuals,
-      minimise_linearised(residuals, from,
-                          {.decrement = std::max(1e-4, kShare * best_.chi2), .full_steps = kMostSteps}));
+  const auto from = [&](const Eigen::VectorXd& start) {
+    Residuals residuals = of(unknowns, start);
+    residuals.set_own_errors(start);
+    residuals.linearise(start);
+    const Eigen::VectorXd z = home_in ? homed_in(residuals, unknowns.z(start)).z : unknowns.z(start);
+    return linearised(residuals, minimise_linearised(residuals, z,
+                                                     {.decrement = std::max(1e-4, kShare * best_.chi2),
+                                                      .full_steps = kMostSteps}));
+  };
+  Eigen::VectorXd start = unknowns.values_of(unknowns_, values_);
+  Minimum minimum = from(start);
+  if (candidate && candidate->name == kStribeck)  // no speed of its own leads to another
+    for (const double speed : {0.5 * kStribeckSpeed, kStribeckSpeed, 2 * kStribeckSpeed}) {
+      start(*unknowns.find(FitParameter::stribeck)) = 0.2;
+      start(*unknowns.find(FitParameter::stribeck_speed)) = speed;
+      Minimum other = from(start);
+      if (other.converged && !(minimum.converged && minimum.chi2 <= other.chi2)) minimum = std::move(other);
+    }
   if (!minimum.converged || minimum.at.empty() || minimum.chi2 > best_.chi2 ||
       !admissible(unknowns, minimum.z))
     return {};

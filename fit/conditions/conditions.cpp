@@ -205,11 +205,10 @@ class SharedErrors {
   /// a fifth higher, rises by some 1 1/s with speed, mu2 by a tenth with the length of the pulse or the
   /// speed; edges last about 0.1 rad; parts and platforms wear.
   void friction_law() {
-    constexpr std::pair<FitParameter, double> kDepartures[] = {{FitParameter::stribeck, 0.1},
-                                                               {FitParameter::viscous, 1},
-                                                               {FitParameter::gate_edges, 0.01},
-                                                               {FitParameter::mu2_width, 0.1},
-                                                               {FitParameter::wear, 0.02}};
+    constexpr std::pair<FitParameter, double> kDepartures[] = {
+        {FitParameter::stribeck, 0.1},  {FitParameter::stribeck_speed, internal::kStribeckSpeed},
+        {FitParameter::viscous, 1},     {FitParameter::gate_edges, 0.01},
+        {FitParameter::mu2_width, 0.1}, {FitParameter::wear, 0.02}};
     exact_if(shared_.law_is_exact && any_driven(), Source::friction_law);
     if (shared_.law_is_exact || !any_driven()) return;
     // A ramp may begin at the edge that was meant, lie about it, or end there.

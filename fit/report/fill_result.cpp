@@ -111,7 +111,7 @@ void fill_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Un
   if (!mu1 || !of_speed) return;
   const auto viscous = unknowns.find(FitParameter::viscous), stribeck = unknowns.find(FitParameter::stribeck);
   const auto of_fading = unknowns.find(FitParameter::stribeck_speed);
-  const double fading = unknowns.value_of(FitParameter::stribeck_speed, values);
+  const double fading = unknowns.reference_speed() * unknowns.value_of(FitParameter::stribeck_speed, values);
   const double platform = unknowns.reference_amplitude() * unknowns.reference_frequency();
   const double gravity = unknowns.value_of(FitParameter::gravity, values);
   double fastest = platform;
@@ -126,7 +126,7 @@ void fill_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Un
     double mu = values(*mu1) * slope(*mu1);
     if (stribeck) slope(*stribeck) = values(*mu1) * slow;
     if (stribeck && of_fading)
-      slope(*of_fading) = values(*mu1) * values(*stribeck) * slow * 2 * ratio * ratio / fading;
+      slope(*of_fading) = values(*mu1) * values(*stribeck) * slow * 2 * ratio * ratio / values(*of_fading);
     if (viscous) {
       slope(*viscous) = speed / gravity;
       mu += values(*viscous) * speed / gravity;

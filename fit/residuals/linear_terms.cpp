@@ -28,9 +28,10 @@ double step_of(FitParameter law) {
 /// Of a free slide: viscous friction is in its scenario, and it has no gate.
 model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values, bool free_slide) {
   const auto of = [&](FitParameter law) { return unknowns.value_of(law, values); };
-  if (free_slide) return {.stribeck = of(FitParameter::stribeck), .fading = of(FitParameter::stribeck_speed)};
+  const double fading = unknowns.reference_speed() * of(FitParameter::stribeck_speed);
+  if (free_slide) return {.stribeck = of(FitParameter::stribeck), .fading = fading};
   return {.stribeck = of(FitParameter::stribeck),
-          .fading = of(FitParameter::stribeck_speed),
+          .fading = fading,
           .viscous = of(FitParameter::viscous),
           .rise = std::sqrt(of(FitParameter::gate_edges)) / unknowns.reference_frequency(),
           .mu2_speed = of(FitParameter::mu2_speed),
@@ -145,7 +146,7 @@ AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& value
   const Eigen::VectorXd base = there.col(together ? 1 : 0);
   const Eigen::MatrixXd by_change = (there.middleCols(together ? own : 1, changes).colwise() - base) / kStep;
   for (std::size_t k = 0; k < laws.size(); ++k)
-    if (laws[k] == fading) by_law(k) = by_change.col(2) / as_sharp.fading;
+    if (laws[k] == fading) by_law(k) = by_change.col(2) / values(*fading);
   const model::Friction& friction = applied.scenario.friction;
   Eigen::MatrixX2d under_law = by_change.leftCols(2);
   under_law.col(0) /= friction.nominal;

@@ -206,7 +206,7 @@ Unknowns::Unknowns(const Problem& problem)
     }
   }
   const double platform = reference_.amplitude * reference_.angular_frequency;
-  reference_.stribeck_speed = 0.25 * (platform > 0 ? platform : fastest);
+  speed_ = platform > 0 ? platform : fastest;
 }
 
 std::optional<Eigen::Index> Unknowns::find(FitParameter parameter) const {

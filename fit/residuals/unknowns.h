@@ -109,6 +109,8 @@ class Unknowns {
   std::optional<double> sliding_threshold() const;
   double reference_amplitude() const { return reference_.amplitude; }
   double reference_frequency() const { return reference_.angular_frequency; }
+  /// m/s, A w; of the fastest slide where nothing is driven.
+  double reference_speed() const { return speed_; }
   /// A search that strays beyond all sense (w of 1e26 rad/s) would integrate without end: with more steps
   /// than this there is no motion. Ordinary motion takes 5 to 10 a turn, along a line up to 112; a slide
   /// stops.
@@ -128,6 +130,7 @@ class Unknowns {
   std::vector<Range> own_;                ///< of each trajectory run
   std::optional<double> slide_mu_;        ///< first guess
   double mean_width_ = 0;                 ///< rad, of the gates of all pulsed runs
+  double speed_ = 0;                      ///< m/s, of reference_speed()
 };
 
 }  // namespace tribotrack::fit::internal

@@ -20,13 +20,15 @@ struct ParameterFacts {
 };
 const ParameterFacts& facts(FitParameter parameter);
 
+/// Where a Stribeck term has faded is not known: its prior's mean and sd, relative (FitParameter).
+inline constexpr double kStribeckSpeed = 0.25;
+
 /// Conditions of the first driven run, or of the first one where none is driven.
 struct Reference {
   double amplitude = 0;           ///< m, of the longer axis
   double angular_frequency = 1;   ///< rad/s
   double gravity = 9.81;          ///< m/s^2
   double tilt_x = 0, tilt_y = 0;  ///< rad
-  double stribeck_speed = 0;      ///< m/s, a quarter of A w or, where nothing is driven, of the fastest slide
   /// Value of a parameter that is neither fitted nor fixed: 0 where runs have none.
   double as_given(FitParameter parameter) const;
 };
