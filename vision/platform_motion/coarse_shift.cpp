@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <span>
 
 #include "vision/kernels/median.h"
 #include "vision/kernels/plane.h"
@@ -58,8 +59,9 @@ cv::Mat CoarseShift::texture(const Picture& picture, const std::vector<Circle>& 
                static_cast<int>(c.radius / bin_) + 1, cv::Scalar(0), cv::FILLED);
   levels = (levels - broad_part(levels, there)).mul(there);
   std::vector<float> sizes;
-  for (auto l = levels.begin<float>(); l != levels.end<float>(); ++l)
-    if (*l != 0) sizes.push_back(std::abs(*l));
+  for (int y = 0; y < height; ++y)
+    for (const float level : std::span(levels.ptr<float>(y), static_cast<std::size_t>(width)))
+      if (level != 0) sizes.push_back(std::abs(level));
   const auto usual = static_cast<double>(kUsual * median(sizes));
   return cv::min(cv::max(levels, -usual), usual);
 }
@@ -76,16 +78,16 @@ Point CoarseShift::of(const Picture& picture, const std::vector<Circle>& hidden)
                                  (dx + correlation.cols) % correlation.cols);
   };
   int best_x = 0, best_y = 0;
+  float most = at(0, 0);
   for (int dy = -reach_y; dy <= reach_y; ++dy)
     for (int dx = -reach_x; dx <= reach_x; ++dx)
-      if (at(dx, dy) > at(best_x, best_y)) best_x = dx, best_y = dy;
+      if (const float here = at(dx, dy); here > most) most = here, best_x = dx, best_y = dy;
   const auto vertex = [](float before, float here, float after) {
     const float curve = before - 2 * here + after;
     return curve < 0 ? std::clamp(0.5 * (before - after) / curve, -0.5, 0.5) : 0.0;
   };
-  const float here = at(best_x, best_y);
-  return {bin_ * (best_x + vertex(at(best_x - 1, best_y), here, at(best_x + 1, best_y))),
-          bin_ * (best_y + vertex(at(best_x, best_y - 1), here, at(best_x, best_y + 1)))};
+  return {bin_ * (best_x + vertex(at(best_x - 1, best_y), most, at(best_x + 1, best_y))),
+          bin_ * (best_y + vertex(at(best_x, best_y - 1), most, at(best_x, best_y + 1)))};
 }
 
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <span>
 #include <utility>
 
 #include "vision/kernels/dense.h"
@@ -40,11 +41,14 @@ void add(const Placed& placed, const Rect& place, const Ground* before, float ou
                      nullptr);
   const auto gain = static_cast<float>(1 / placed.gain), offset = static_cast<float>(placed.offset);
   for (int y = 0; y < r.height; ++y) {
-    std::vector<Circle> near;  // of this row
-    for (const Circle& c : placed.frame->hidden)
-      if (std::abs(y0 + y - c.y) <= c.radius) near.push_back(c);
+    std::vector<std::pair<double, double>> covered;  // of this row, from and to
+    for (const Circle& c : placed.frame->hidden) {
+      const double square = c.radius * c.radius - (y0 + y - c.y) * (y0 + y - c.y);
+      if (square >= 0) covered.emplace_back(c.x - std::sqrt(square) - x0, c.x + std::sqrt(square) - x0);
+    }
     for (int x = 0; x < r.width; ++x) {
-      if (std::ranges::any_of(near, [&](const Circle& c) { return in_circle(c, x0 + x, y0 + y); })) continue;
+      if (std::ranges::any_of(covered, [&](const auto& c) { return c.first <= x && x <= c.second; }))
+        continue;
       const int u = r.x - place.x + x, v = r.y - place.y + y;
       const float level = (levels.at(x, y) - offset) * gain;
       const bool known = before && before->seen.at(u, v) > 0;
@@ -142,50 +146,29 @@ void in_mean_light(std::vector<Placed>& frames) {
 /// was taken to lie: rounds go on until that no longer matters.
 class Learning {
  public:
-  Learning(const std::vector<GroundFrame>& frames, const Rect& place, double noise_variance, int threads)
+  /// `before`: a ground they can be registered to at once; null: the mean of the frames at their starts.
+  Learning(std::span<const GroundFrame* const> frames, const Rect& place, double noise_variance, int threads,
+           const Ground* before)
       : frames_(frames), place_(place), noise_variance_(noise_variance), threads_(threads) {
     learnt_.fixes.resize(frames.size());
-    for (const GroundFrame& f : frames) placed_.push_back(Placed{&f, f.start});
+    if (before) {
+      learnt_.ground = *before;
+      return;
+    }
+    for (const GroundFrame* f : frames) placed_.push_back(Placed{f, f->start});
     const Ground all = mean_of(placed_, place_, nullptr, noise_variance_, threads_);
     learnt_.ground = mean_of(placed_, place_, &all, noise_variance_, threads_, kOutlierAtFirst);
   }
 
-  /// How far the frames have moved against each other, sd rms.
-  double round() {
-    GroundRegistration registration(learnt_.ground, threads_);
-    learnt_.excess.setZero();
-    std::vector<Placed> placed;
-    std::vector<Eigen::Vector2d> moves;
-    std::vector<Eigen::Matrix2d> normals;
-    Eigen::Vector2d common = Eigen::Vector2d::Zero();
-    for (std::size_t k = 0; k < frames_.size(); ++k) {
-      auto& fix = learnt_.fixes[k];
-      const Point from = fix ? fix->displacement : frames_[k].start;
-      fix = registration.refine(frames_[k], from);
-      if (!fix) continue;
-      const Point to = fix->displacement;
-      const Eigen::Matrix2d root = inverse_root(registration.normal());
-      learnt_.excess += root * registration.scatter() * root;
-      placed.push_back({&frames_[k], to, fix->gain, fix->offset});
-      moves.emplace_back(to.x - from.x, to.y - from.y);
-      normals.push_back(registration.normal());
-      common += moves.back();
+  /// False where too few frames can be registered.
+  bool rounds(int most) {
+    for (int k = 0; k < most; ++k) {
+      const double moved = register_all();
+      if (!enough()) return false;
+      if (moved < kSettled) return true;
+      learnt_.ground = mean_of(placed_, place_, &learnt_.ground, noise_variance_, threads_);
     }
-    placed_ = std::move(placed);
-    if (moves.empty()) return 0;
-    in_mean_light(placed_);
-    learnt_.excess /= static_cast<double>(moves.size());
-    learnt_.ground = mean_of(placed_, place_, &learnt_.ground, noise_variance_, threads_);
-    common /= static_cast<double>(moves.size());  // it moves the grid
-    double squares = 0;
-    for (std::size_t k = 0; k < moves.size(); ++k)
-      squares += (moves[k] - common).dot(normals[k] * (moves[k] - common));
-    return std::sqrt(squares / (2 * static_cast<double>(moves.size())));
-  }
-
-  bool enough() const {
-    return static_cast<double>(placed_.size()) >=
-           std::max(4.0, kLeastShare * static_cast<double>(frames_.size()));
+    return true;
   }
 
   LearntGround finish() {
@@ -198,7 +181,44 @@ class Learning {
   }
 
  private:
-  const std::vector<GroundFrame>& frames_;
+  /// How far the frames have moved against each other, sd rms.
+  double register_all() {
+    GroundRegistration registration(learnt_.ground, threads_);
+    learnt_.excess.setZero();
+    std::vector<Placed> placed;
+    std::vector<Eigen::Vector2d> moves;
+    std::vector<Eigen::Matrix2d> normals;
+    Eigen::Vector2d common = Eigen::Vector2d::Zero();
+    for (std::size_t k = 0; k < frames_.size(); ++k) {
+      auto& fix = learnt_.fixes[k];
+      const Point from = fix ? fix->displacement : frames_[k]->start;
+      fix = registration.refine(*frames_[k], from);
+      if (!fix) continue;
+      const Point to = fix->displacement;
+      const Eigen::Matrix2d root = inverse_root(registration.normal());
+      learnt_.excess += root * registration.scatter() * root;
+      placed.push_back({frames_[k], to, fix->gain, fix->offset});
+      moves.emplace_back(to.x - from.x, to.y - from.y);
+      normals.push_back(registration.normal());
+      common += moves.back();
+    }
+    placed_ = std::move(placed);
+    if (moves.empty()) return 0;
+    in_mean_light(placed_);
+    learnt_.excess /= static_cast<double>(moves.size());
+    common /= static_cast<double>(moves.size());  // it moves the grid
+    double squares = 0;
+    for (std::size_t k = 0; k < moves.size(); ++k)
+      squares += (moves[k] - common).dot(normals[k] * (moves[k] - common));
+    return std::sqrt(squares / (2 * static_cast<double>(moves.size())));
+  }
+
+  bool enough() const {
+    return static_cast<double>(placed_.size()) >=
+           std::max(4.0, kLeastShare * static_cast<double>(frames_.size()));
+  }
+
+  std::span<const GroundFrame* const> frames_;
   Rect place_;
   double noise_variance_;
   int threads_;
@@ -210,12 +230,20 @@ class Learning {
 
 std::optional<LearntGround> learn_ground(const std::vector<GroundFrame>& frames, const Rect& place,
                                          double noise_variance, int most_rounds, int threads) {
-  Learning learning(frames, place, noise_variance, threads);
-  for (int round = 0; round < most_rounds; ++round) {
-    const double moved = learning.round();
-    if (!learning.enough()) return std::nullopt;
-    if (moved < kSettled) break;
+  // Of many a few find where the ground lies, at an eighth of the cost of a round.
+  constexpr std::size_t kMany = 64, kEvery = 8;
+  std::vector<const GroundFrame*> all, few;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    all.push_back(&frames[k]);
+    if (k % kEvery == 0) few.push_back(&frames[k]);
   }
+  std::optional<Ground> found;
+  if (frames.size() >= kMany) {
+    Learning first(few, place, noise_variance, threads, nullptr);
+    if (first.rounds(most_rounds)) found = first.finish().ground;
+  }
+  Learning learning(all, place, noise_variance, threads, found ? &*found : nullptr);
+  if (!learning.rounds(most_rounds)) return std::nullopt;
   return learning.finish();
 }
 
