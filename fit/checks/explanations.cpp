@@ -138,8 +138,10 @@ std::vector<ExplainedProblem> explanations(const Residuals& residuals, const Min
     const double least = std::max({9.0, kWorthAFit * most, 0.5 * excess});
     for (std::size_t i = 0; i < list.size(); ++i) {
       const bool bad_run = list[i].found.name == "bad_run";
+      // Driven runs do not lead from one speed at which friction has fallen to another.
+      const bool anyway = bad_run || (list[i].found.name == kStribeck && runs > 0);
       if (!list[i].problem) continue;
-      if (bad_run || list[i].found.name == kStribeck || (i < kMostFits && gain(list[i].found, runs) > least))
+      if (anyway || (i < kMostFits && gain(list[i].found, runs) > least))
         list[i].values = tests.refit(list[i].problem(), list[i].candidate, bad_run, list[i].found);
     }
     if (const auto spinning =

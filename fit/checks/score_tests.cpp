@@ -195,7 +195,7 @@ Eigen::VectorXd ScoreTests::refit(const Problem& problem, const Candidate* candi
   };
   Eigen::VectorXd start = unknowns.values_of(unknowns_, values_);
   Minimum minimum = from(start);
-  if (candidate && candidate->name == kStribeck)  // no speed of its own leads to another
+  if (candidate && candidate->name == kStribeck && !problem.summary_runs.empty())
     for (const double speed : {0.5 * kStribeckSpeed, kStribeckSpeed, 2 * kStribeckSpeed}) {
       start(*unknowns.find(FitParameter::stribeck)) = 0.2;
       start(*unknowns.find(FitParameter::stribeck_speed)) = speed;

@@ -165,8 +165,8 @@ class Learning {
     for (int k = 0; k < most; ++k) {
       const double moved = register_all();
       if (!enough()) return false;
-      if (moved < kSettled) return true;
       learnt_.ground = mean_of(placed_, place_, &learnt_.ground, noise_variance_, threads_);
+      if (moved < kSettled) break;
     }
     return true;
   }
