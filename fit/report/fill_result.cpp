@@ -98,7 +98,9 @@ void fill_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Un
     const FitParameter law = unknowns.parameter(i);
     const double sd = std::sqrt(uncertainty.shared(i, i));
     const bool free = problem.sets_free(law);
-    if (law < FitParameter::mu2_width || !(free || std::abs(values(i)) > kSeen * sd)) continue;
+    if (law < FitParameter::mu2_width || law == FitParameter::stribeck_speed ||
+        !(free || std::abs(values(i)) > kSeen * sd))
+      continue;
     of_speed |= law == FitParameter::viscous || law == FitParameter::stribeck;
     if (!free)
       found += fmt::format("{}{}, {} = {}", found.empty() ? "" : "; ", facts(law).source, facts(law).name,
