@@ -48,9 +48,9 @@ void take_nothing_as_exact(fit::Problem& problem);
 /// What is drawn. "nothing": the model. "the usual", all together: a level to 1 mrad, A_y/A to 1 %, epsilon
 /// to 1 deg (sds), edges of 0 to 0.2 rad, Stribeck 0 to 15 % (fading by 0.1 to 0.5 A w), mu2 0 to 10 % higher
 /// for 60 deg more of gate, mu scattering by 0 to 3 %, errors 0.7 to 1.5 times as large as stated. Else one
-/// departure of one to six times the sd by which a fit expects it: a tilt of 5 to 10 mrad, A_y/A 3 to 6 % off,
-/// epsilon 0.05 to 0.1 rad, Stribeck 25 to 50 %, mu2 10 to 30 % a radian, wear 6 to 13 %, a phi that is 0.7
-/// rad off, mu scattering by 2.4 to 4.8 %.
+/// departure of one to six times the sd by which a fit expects it: a tilt of 5 to 10 mrad, A_y/A 3 to 6 %
+/// off, epsilon 0.05 to 0.1 rad, Stribeck 25 to 50 %, mu2 10 to 30 % a radian, wear 6 to 13 %, a phi that is
+/// 0.7 rad off, mu scattering by 2.4 to 4.8 %.
 inline constexpr std::array kFaults{"nothing",  "the usual", "tilt", "amplitude_ratio", "phase_shift",
                                     "stribeck", "mu2_width", "wear", "bad_run",         "run_scatter"};
 
