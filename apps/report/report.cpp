@@ -121,7 +121,7 @@ PageSection parameter_section(const ReportData& data, const std::vector<Figure>&
   if (!data.fitted()) return section;
   section.html = interval_table(data) + "<div class=\"columns\">\n<div>" + identifiability_text(data) +
                  shared_scale(data) + "</div>\n<div>" + correlation_table(data) + "</div>\n</div>\n" +
-                 figure_box(figures, "corner") + condition_table(data);
+                 figure_box(figures, "corner") + figure_box(figures, "friction") + condition_table(data);
   return section;
 }
 

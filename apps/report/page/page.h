@@ -71,7 +71,7 @@ std::vector<Figure> dependence_figures(const ReportData& data);
 std::vector<Figure> trajectory_figures(const ReportData& data);
 /// Measured minus modelled, run by run.
 std::vector<Figure> residual_figures(const ReportData& data);
-/// What the fit says of its parameters: profiles, pairs, influence of each run.
+/// What the fit says of its parameters: profiles, pairs, friction against speed, influence of each run.
 std::vector<Figure> parameter_figures(const ReportData& data);
 /// Free slides: distance along the path against time.
 std::vector<Figure> slide_figures(const ReportData& data);

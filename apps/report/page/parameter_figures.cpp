@@ -130,6 +130,26 @@ std::vector<Figure> corner(const ReportData& data) {
   return {figure};
 }
 
+/// mu1 over the speeds seen, where the values hold under a law that depends on it.
+std::vector<Figure> friction(const ReportData& data) {
+  if (data.fit.mu_of_speed.empty()) return {};
+  Values speed, mu, low, high;
+  for (const fit::FrictionAtSpeed& at : data.fit.mu_of_speed) {
+    speed.push_back(1e3 * at.speed);
+    mu.push_back(at.mu);
+    low.push_back(at.mu - 2 * at.sd);
+    high.push_back(at.mu + 2 * at.sd);
+  }
+  Figure figure{.id = "friction", .title = "Friction against speed", .height = 0.6, .width = 0.45};
+  figure.panels = {{.x = plot::axis("sliding speed, mm/s"),
+                    .y = plot::axis("friction coefficient outside the pulse"),
+                    .traces = {plot::band("two standard uncertainties", speed, low, high, {.legend = true}),
+                               plot::line("law", speed, mu, {.legend = true})}}};
+  figure.caption = "By the law under which the values hold, over the speeds of these runs.";
+  figure.alternative = "The friction coefficient against sliding speed, with its uncertainty.";
+  return {figure};
+}
+
 /// Runs by their numbers, at most 24 of these written.
 Json run_axis(const std::string& title, std::size_t runs) {
   Values places;
@@ -174,6 +194,7 @@ std::vector<Figure> influence(const ReportData& data) {
 std::vector<Figure> parameter_figures(const ReportData& data) {
   if (!data.fitted()) return {};
   std::vector<Figure> figures = corner(data);
+  std::ranges::move(friction(data), std::back_inserter(figures));
   std::ranges::move(influence(data), std::back_inserter(figures));
   return figures;
 }

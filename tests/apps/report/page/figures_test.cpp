@@ -142,6 +142,19 @@ TEST(ReportFigures, TheProfileOfAParabolaIsTheParabola) {
     EXPECT_NEAR(profile.y[i], std::pow((profile.x[i] - mu1.estimate) / mu1.sd, 2), 1e-6);
 }
 
+TEST(ReportFigures, FrictionIsDrawnOverTheSpeedsSeenWhereItDependsOnSpeed) {
+  ReportData data = sample::campaign();
+  const auto is_drawn = [&] {
+    return std::ranges::count(campaign_figures(data), "friction", &Figure::id) > 0;
+  };
+  EXPECT_FALSE(is_drawn());
+  data.fit.mu_of_speed = {{0, 0.2, 0.01}, {0.1, 0.15, 0.002}};
+  ASSERT_TRUE(is_drawn());
+  const Panel panel = figure(campaign_figures(data), "friction").panels.front();
+  EXPECT_EQ(plot::values_of(panel.traces.back(), "x"), Values({0, 100}));
+  EXPECT_EQ(plot::values_of(panel.traces.back(), "y"), Values({0.2, 0.15}));
+}
+
 // Every point of the 95 % ellipse lies where the quadratic form of the covariance is -2 ln 0.05.
 TEST(ReportFigures, PairsLieInTheirRegions) {
   const ReportData data = sample::campaign();
