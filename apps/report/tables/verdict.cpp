@@ -120,8 +120,8 @@ std::vector<std::string> assumptions(const ReportData& data) {
     return list_of(symbols);
   };
   lines.push_back(
-      !fit.quoted_under.empty()
-          ? "The paper’s friction law. Not as described: " + list_of(fit.quoted_under) + "."
+      !fit.quoted_under.empty() ? "The campaign and the paper’s friction law as described, but for " +
+                                      list_of(fit.quoted_under) + "."
       : !fit.mu_of_speed.empty()
           ? "Friction that depends on speed as well (warning): μ₁, and μ₂ during the pulse, beside that."
           : "The paper’s friction law: μ₁, and μ₂ during the pulse.");
