@@ -29,7 +29,7 @@ const std::vector<Candidate>& candidates() {
       {"clock", "another frequency of the platform", "%", 0, {angular_frequency}},
       {"scale", "another scale", "%", 100, {scale}},
       {"start_phase", "another phase of the platform at the start", "rad", 1, {start_phase}},
-      {kStribeck.data(), "friction that falls with speed (Stribeck)", "%", 100, {stribeck}, true},
+      {kStribeck, "friction that falls with speed (Stribeck)", "%", 100, {stribeck}, true},
       {"viscous", "friction that rises with speed (viscous)", "1/s", 1, {viscous}, true},
       {"mu2_speed", "a reduced friction that rises with speed", "%", 100, {mu2_speed}, true},
       {"mu2_width", "a reduced friction that changes with the width of the gate", "%/rad", 100, {mu2_width}},
@@ -48,7 +48,8 @@ Problem with_free(Problem problem, const std::vector<FitParameter>& quantities) 
     const double size = std::abs(Unknowns(problem).as_given(quantity));
     const bool sized = quantity == FitParameter::amplitude || quantity == FitParameter::angular_frequency;
     problem.conditions.push_back({quantity, kUnknown * (sized ? size : 1), kSetFree});
-    if (quantity == FitParameter::stribeck && !Unknowns(problem).find(FitParameter::stribeck_speed))
+    if (quantity == FitParameter::stribeck &&
+        std::ranges::count(problem.conditions, FitParameter::stribeck_speed, &Condition::quantity) == 0)
       problem.conditions.push_back({FitParameter::stribeck_speed, kStribeckSpeed, kSetFree});
   }
   return problem;
@@ -195,7 +196,7 @@ Eigen::VectorXd ScoreTests::refit(const Problem& problem, const Candidate* candi
   };
   Eigen::VectorXd start = unknowns.values_of(unknowns_, values_);
   Minimum minimum = from(start);
-  if (candidate && candidate->name == kStribeck && !problem.summary_runs.empty())
+  if (candidate && candidate->name == std::string_view(kStribeck) && !problem.summary_runs.empty())
     for (const double speed : {0.5 * kStribeckSpeed, kStribeckSpeed, 2 * kStribeckSpeed}) {
       start(*unknowns.find(FitParameter::stribeck)) = 0.2;
       start(*unknowns.find(FitParameter::stribeck_speed)) = speed;

@@ -12,7 +12,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "fit/fit_result.h"
@@ -24,7 +23,7 @@ namespace tribotrack::fit::internal {
 /// The name of a spin of free slides that was not seen: found by a refit, not by a score test.
 inline constexpr const char* kUnseenSpin = "unseen_spin";
 /// Friction that falls with speed: score tests see it at one of the speeds at which it may have fallen.
-inline constexpr std::string_view kStribeck = "stribeck";
+inline constexpr const char* kStribeck = "stribeck";
 
 /// What the fit takes as exact, or as known to an sd.
 struct Candidate {

@@ -90,6 +90,33 @@ Eigen::MatrixXd bend_of(const AppliedScenario& applied, const Eigen::VectorXd& a
   return bend;
 }
 
+/// The same by steps of all parameters: `added_in` a scenario, which is `added` in this one.
+Eigen::MatrixXd bend_by_steps(const AppliedScenario& applied, const Eigen::VectorXd& added,
+                              const Eigen::MatrixX2d& by_mu, const auto& added_in) {
+  using model::Parameter;
+  Eigen::MatrixXd bend = Eigen::MatrixXd::Zero(added.size(), applied.chain.cols());
+  for (std::size_t i = 0; i < applied.wanted.size(); ++i) {
+    const Parameter parameter = applied.wanted[i];
+    Eigen::VectorXd by;
+    if (parameter == Parameter::mu1 || parameter == Parameter::mu2) {
+      by = by_mu.col(parameter == Parameter::mu2);
+    } else {
+      const double step = step_of(parameter, applied.scenario);
+      const auto moved_by = [&](double change) -> Eigen::VectorXd {
+        model::Scenario near = applied.scenario;
+        near.set(parameter, near.get(parameter) + change);
+        return added_in(near) - added;
+      };
+      by = moved_by(step) / step;
+      // Laws go by the greater of two amplitudes, which are often equal: there is a kink between.
+      if (parameter == Parameter::amplitude || parameter == Parameter::amplitude_y)
+        by = 0.5 * (by - moved_by(-step) / step);
+    }
+    bend += by * applied.chain.row(static_cast<Eigen::Index>(i));
+  }
+  return bend;
+}
+
 /// What the laws at `values` add to a run at `times`; `by_mu`: its derivatives under the paper's law. Where
 /// that moves a place by more than `fine`, its derivatives are by all parameters: an integration each.
 AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& values,
@@ -152,31 +179,14 @@ AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& value
   under_law.col(0) /= friction.nominal;
   if (friction.pulse_width > 0) under_law.col(1) /= friction.reduced;
   if (!under_law.allFinite()) return result;
-  if (result.added.lpNorm<Eigen::Infinity>() < fine) {
-    result.bend = bend_of(applied, result.added, under_law - by_mu);
-    return result;
-  }
-  const std::array three{paper, as_sharp, as_soft};
-  for (std::size_t i = 0; i < applied.wanted.size(); ++i) {
-    const model::Parameter parameter = applied.wanted[i];
-    Eigen::VectorXd by;
-    if (parameter == model::Parameter::mu1 || parameter == model::Parameter::mu2) {
-      by = (under_law - by_mu).col(parameter == model::Parameter::mu2);
-    } else {
-      const double step = step_of(parameter, applied.scenario);
-      const auto moved_by = [&](double change) -> Eigen::VectorXd {
-        model::Scenario near = applied.scenario;
-        near.set(parameter, near.get(parameter) + change);
-        const Eigen::MatrixXd all = unit * model::rival_positions(near, times, three, tolerance);
-        return 2 * all.col(1) - all.col(2) - all.col(0) - result.added;
-      };
-      by = moved_by(step) / step;
-      // Laws go by the greater of two amplitudes, which are often equal: there is a kink between.
-      if (parameter == model::Parameter::amplitude || parameter == model::Parameter::amplitude_y)
-        by = 0.5 * (by - moved_by(-step) / step);
-    }
-    result.bend += by * applied.chain.row(static_cast<Eigen::Index>(i));
-  }
+  const auto added_in = [&](const model::Scenario& scenario) -> Eigen::VectorXd {
+    const Eigen::MatrixXd all =
+        unit * model::rival_positions(scenario, times, std::array{paper, as_sharp, as_soft}, tolerance);
+    return 2 * all.col(1) - all.col(2) - all.col(0);
+  };
+  const bool small = result.added.lpNorm<Eigen::Infinity>() < fine;
+  result.bend = small ? bend_of(applied, result.added, under_law - by_mu)
+                      : bend_by_steps(applied, result.added, under_law - by_mu, added_in);
   return result;
 }
 

@@ -153,6 +153,8 @@ TEST(ReportFigures, FrictionIsDrawnOverTheSpeedsSeenWhereItDependsOnSpeed) {
   const Panel panel = figure(campaign_figures(data), "friction").panels.front();
   EXPECT_EQ(plot::values_of(panel.traces.back(), "x"), Values({0, 100}));
   EXPECT_EQ(plot::values_of(panel.traces.back(), "y"), Values({0.2, 0.15}));
+  EXPECT_EQ(plot::values_of(panel.traces.front(), "y"), Values({0.2 - 2 * 0.01, 0.15 - 2 * 0.002}));
+  EXPECT_EQ(plot::values_of(panel.traces.front(), "customdata"), Values({0.2 + 2 * 0.01, 0.15 + 2 * 0.002}));
 }
 
 // Every point of the 95 % ellipse lies where the quadratic form of the covariance is -2 ln 0.05.
