@@ -322,6 +322,12 @@ std::optional<std::pair<Explanation, RunScatter>> Estimation::scatter_at(
   return std::pair(found, *scatter);
 }
 
+double Estimation::log_likelihood(const Eigen::VectorXd& values) const {
+  Residuals rows = residuals_;
+  rows.linearise(values);
+  return estimate_correlated_errors(rows, values).log_likelihood;
+}
+
 Explanation Estimation::scatter_explained(const Estimation& other) const {
   Explanation found = scatter_of(100 * scatter_of_friction(), problem_.trajectory_runs.size());
   found.chi2_fall = other.chi2() - chi2();

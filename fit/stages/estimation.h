@@ -63,6 +63,9 @@ class Estimation {
   /// Friction that differs from run to run, by the residuals of displacements at these values. It explains
   /// them unless they go with the setting, as under a law.
   std::optional<std::pair<Explanation, RunScatter>> scatter_at(const Eigen::VectorXd& values) const;
+  /// The restricted likelihood's logarithm of tracks near these values, errors that neighbouring points share
+  /// being as large as is likeliest.
+  double log_likelihood(const Eigen::VectorXd& values) const;
   /// As an explanation of another fit to the same runs.
   Explanation scatter_explained(const Estimation& other) const;
   /// Where the residuals exceed their sigma: scatter, correlated errors, robust weights.

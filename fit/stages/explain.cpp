@@ -221,6 +221,11 @@ Explained explain_tracks(const Problem& problem, const Estimation& fit, const Fi
   apart.test_residuals();
   if (apart.rejected()) return {};
   under.problem = with_scatter(apart.scatter_of_friction());
+  // Two numbers of each run follow a drift of its points as well.
+  const Estimation scattered(under.problem, options);
+  if (!(scattered.log_likelihood(apart.values_for(scattered)) >
+        fit.log_likelihood(fit.values()) + kPreferred / 2))
+    return {};
   under.problem.start = apart.estimates_alone();
   Explanation scatter = apart.scatter_explained(fit);
   under.under.push_back(sentence_of(scatter));

@@ -192,8 +192,8 @@ CorrelatedEstimate estimate_correlated_errors(const Residuals& residuals, const 
 
   const PartNumbers guess = Eigen::Map<const PartNumbers>(residuals.excess_variance().correlated.data());
   const Place place = most_likely(sums, guess.cwiseQuotient(sums.unit));
-  const double none = likelihood_at(sums, PartNumbers::Zero()).log;
-  if (2 * (place.likelihood.log - none) < kLeastGain) return result;
+  result.log_likelihood = likelihood_at(sums, PartNumbers::Zero()).log;
+  if (2 * (place.likelihood.log - result.log_likelihood) < kLeastGain) return result;
 
   const PartNumbers& best = place.variances;
   const Likelihood& at = place.likelihood;
@@ -201,6 +201,7 @@ CorrelatedEstimate estimate_correlated_errors(const Residuals& residuals, const 
   for (Eigen::Index g = 0; g < best.size(); ++g)
     if (best(g) > 0) present.push_back(g);
   if (present.empty()) return result;
+  result.log_likelihood = at.log;
   const Eigen::MatrixXd information = at.information(present, present);
   const Eigen::MatrixXd spread = inverse_symmetric(information);
   for (const Eigen::Index g : present) result.variances[static_cast<std::size_t>(g)] = best(g) * sums.unit(g);

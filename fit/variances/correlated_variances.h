@@ -10,6 +10,7 @@ struct CorrelatedEstimate {
   /// Of the variance of each unknown that all runs share, as Student's t needs it (Satterthwaite): 2 V^2 /
   /// var V. Infinite without correlated errors.
   Eigen::VectorXd degrees_of_freedom;
+  double log_likelihood = 0;  ///< restricted, of these variances, but for a constant of the points
 };
 
 /// From the residuals r at the minimum and their Jacobian J, whitened but for correlated errors, with V = I +

@@ -17,6 +17,7 @@ using std::numbers::pi;
 
 struct Laboratory {
   double stribeck = 0, viscous = 0, tilt_x = 0;
+  double drift = 0;  ///< m, sd per axis of a straight line's end: of the camera, not of the part
   int bad_run = -1;
   std::vector<double> friction = {};  ///< of each run, relative; empty: 1
 };
@@ -55,6 +56,9 @@ TrackTable filmed(const Laboratory& lab, const model::Scenario& s, double factor
     x += dt * 0.5 * (u + next);
     u = next;
   }
+  const Vector2d drift = lab.drift / kSd * Vector2d(noise(random), noise(random));
+  for (std::size_t i = 0; i < track.time.size(); ++i)
+    track.position[i] += track.time[i] / track.time.back() * drift;
   return track;
 }
 
@@ -114,6 +118,14 @@ TEST(TracksOfLaboratories, FrictionThatDiffersFromRunToRunIsCounted) {
   EXPECT_NEAR(result.explanations.front().size, 2.2, 0.6);  // per cent
   expect_truth(result);
   EXPECT_GT(result.parameters[0].sd, 0.005 * kTruth.mu1);
+}
+
+TEST(TracksOfLaboratories, ADriftOfThePictureIsNoFriction) {
+  const FitResult result = fitted({.tilt_x = 5e-3, .drift = 10e-6});
+  EXPECT_TRUE(result.quoted_under.empty()) << result.full_report();
+  EXPECT_NEAR(result.correlated_errors.drift, 10e-6, 5e-6);
+  expect_truth(result);
+  EXPECT_LT(result.parameters[0].sd, 1e-3 * kTruth.mu1);
 }
 
 }  // namespace
