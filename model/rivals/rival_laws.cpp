@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 #include <string>
@@ -106,7 +107,7 @@ class Equation {
   }
   /// Where mu of any law jumps or bends, every turn's end, and what is asked for.
   std::vector<double> stations(double turn, std::vector<double> times) const {
-    const double w = s_.drive.angular_frequency, end = times.back();
+    const double w = s_.drive.angular_frequency, end = times.empty() ? 0 : times.back();
     std::set<double> edges;
     for (const RivalLaw& law : laws_)
       for (const double bend : {-0.5 * w * law.rise, 0.5 * w * law.rise})
@@ -153,41 +154,65 @@ class Integration {
     std::ranges::fill(in_.moving.lane, own > 0 ? 1 : 0);
   }
 
-  /// Rows x and y of each of the times, a column for each lane. Once a turn brings all velocities back to
-  /// where they were, the turns before the next time asked for repeat it.
+  /// Rows x and y of each of the times, a column for each lane.
   Eigen::MatrixXd at(const std::vector<double>& times) {
     Eigen::MatrixXd positions(2 * times.size(), kRivalLanes);
-    std::size_t seen = 0;
-    const auto look = [&] {
-      for (; seen < times.size() && times[seen] <= t_; ++seen)
-        for (int lane = 0; lane < kRivalLanes; ++lane)
-          positions.block<2, 1>(2 * static_cast<Eigen::Index>(seen), lane) << in_.from.x.lane[lane],
-              in_.from.y.lane[lane];
-    };
-    RivalMotion before = in_.from;
-    double next_turn = turn_;
-    look();
-    for (const double station : f_.stations(turn_, times)) {
-      if (t_ < station) pass(station);
-      look();
-      if (t_ < next_turn || seen == times.size()) continue;
-      const double left = std::floor((times[seen] - t_) / turn_ + 1e-9);
-      if (left > 0 && repeats(before)) {
-        for (int lane = 0; lane < kRivalLanes; ++lane) {
-          in_.from.x.lane[lane] += left * (in_.from.x.lane[lane] - before.x.lane[lane]);
-          in_.from.y.lane[lane] += left * (in_.from.y.lane[lane] - before.y.lane[lane]);
-        }
-        t_ += left * turn_;
-        look();
-      }
-      before = in_.from;
-      next_turn = t_ + turn_ * (1 - 1e-12);
+    std::vector<Asked> asked;
+    for (const double time : times) asked.push_back({time, 2 * static_cast<Eigen::Index>(asked.size())});
+    see(asked, positions);
+    // Turns repeat: what is left has its place in the next one, and the turns between add their way.
+    for (Asked& one : asked) {
+      one.turns = std::floor((one.time - t_) / turn_ + 1e-9);
+      one.time -= one.turns * turn_;
     }
-    for (t_ = times.back(); seen < times.size();) look();
+    std::ranges::sort(asked, {}, &Asked::time);
+    see(asked, positions);
     return positions;
   }
 
  private:
+  using Places = Eigen::Matrix<double, 2, kRivalLanes>;
+  struct Asked {
+    double time;
+    Eigen::Index row;  ///< of x
+    double turns = 0;  ///< that go before it, each by way_
+  };
+
+  static Places places(const RivalMotion& motion) {
+    Places result;
+    result << Eigen::Map<const Eigen::RowVectorXd>(motion.x.lane, kRivalLanes),
+        Eigen::Map<const Eigen::RowVectorXd>(motion.y.lane, kRivalLanes);
+    return result;
+  }
+
+  /// Until a turn brings all velocities back to where they were; what was seen is asked no more.
+  void see(std::vector<Asked>& asked, Eigen::MatrixXd& positions) {
+    std::vector<double> times;
+    for (const Asked& one : asked) times.push_back(one.time);
+    auto next = asked.begin();
+    const auto look = [&](double until) {
+      for (; next != asked.end() && next->time <= until; ++next)
+        positions.middleRows<2>(next->row) = places(in_.from) + next->turns * way_;
+    };
+    look(t_);
+    RivalMotion before = in_.from;
+    double next_turn = t_ + turn_ * (1 - 1e-12);
+    for (const double station : f_.stations(turn_, times)) {
+      if (t_ < station) pass(station);
+      look(t_);
+      if (t_ < next_turn || next == asked.end()) continue;
+      if (repeats(before)) {
+        way_ = places(in_.from) - places(before);
+        asked.erase(asked.begin(), next);
+        return;
+      }
+      before = in_.from;
+      next_turn = t_ + turn_ * (1 - 1e-12);
+    }
+    look(std::numeric_limits<double>::infinity());
+    asked.clear();
+  }
+
   bool repeats(const RivalMotion& before) const {
     for (int lane = 0; lane < kRivalLanes; ++lane)
       if (!(std::abs(in_.from.u_x.lane[lane] - before.u_x.lane[lane]) < in_.least_speed &&
@@ -296,6 +321,7 @@ class Integration {
   std::array<double, kRivalLanes> released_{};  ///< s, of lanes at rest: when they will start
   std::vector<double> sizes_;                   ///< of the drive, over a turn
   double t_ = 0, h_ = 0, first_step_ = 0, turn_ = 0, stop_speed_ = 0;
+  Places way_ = Places::Zero();  ///< m, of a turn that repeats
   long steps_ = 0;
 };
 
