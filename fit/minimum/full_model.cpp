@@ -63,7 +63,7 @@ void descend(Place& place, const MinimiseOptions& options) {
     const bool full_step = damping <= kFirstDamping && gain > 0.25 * promised;
     if (full_step || lately - best.chi2 > kLittle) lately = best.chi2, since = 0;
     best.converged = ++since > kPatience || damping > kMostDamping ||
-                     (gain > 0 ? gain < decrement : promised < std::max(decrement, kUnseen));
+                     std::max(gain, promised) < std::max(decrement, kUnseen);
   }
   best.converged |= lately - best.chi2 < kNearMinimum;
 }
