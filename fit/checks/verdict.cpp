@@ -109,7 +109,9 @@ Agreement agreement(const FitResult& result) {
   if (!std::isfinite(result.chi2) || result.dof < 1) return Agreement::unknown;
   if (surprised) return Agreement::poor;
   const int least = result.dof - result.conditions;
-  if (least > 0 && result.chi2 < least * expected_reduced_chi2(least, result.noise_dof).low)
+  // Errors that came from the scatter of points were not stated.
+  const bool stated = !std::isfinite(result.noise_dof);
+  if (stated && least > 0 && result.chi2 < least * expected_reduced_chi2(least, result.noise_dof).low)
     return Agreement::too_good;
   return Agreement::good;
 }

@@ -24,6 +24,10 @@ TEST(Agreement, IsChiSquaresWithinItsLevels) {
   EXPECT_EQ(agreement(fitted(chi2_quantile(0.006, 25), 25)), Agreement::good);
   EXPECT_EQ(agreement(fitted(chi2_quantile(0.004, 25), 25)), Agreement::too_good);
   EXPECT_EQ(agreement(fitted(0, 0)), Agreement::unknown);
+  FitResult by_points = fitted(5, 25);
+  EXPECT_EQ(agreement(by_points), Agreement::too_good);
+  by_points.noise_dof = 1000;
+  EXPECT_EQ(agreement(by_points), Agreement::good) << "no errors were stated";
 }
 
 TEST(Agreement, ThatScatterMadeIsNoCheckOfTheModel) {
