@@ -89,12 +89,15 @@ void weigh_scatter(const Problem& problem, const Estimation& fit, const FitOptio
   result.list.insert(result.list.begin(), std::move(*found));
 }
 
+std::string text_of_bad_run(const std::string& run) {
+  return "run '" + run + "' left out: it contradicts the others";
+}
+
 Quoted without_bad_runs(Problem problem, const std::vector<Outlier>& outliers) {
   Quoted quoted;
   for (SummaryRun& run : problem.summary_runs)
     run.held_out |= std::ranges::any_of(outliers, [&](const Outlier& o) { return o.run == run.name; });
-  for (const Outlier& outlier : outliers)
-    quoted.under.push_back("run '" + outlier.run + "' left out: it contradicts the others");
+  for (const Outlier& outlier : outliers) quoted.under.push_back(text_of_bad_run(outlier.run));
   quoted.problem = std::move(problem);
   return quoted;
 }
@@ -184,48 +187,46 @@ Explained explain(const Problem& problem, Estimation& fit, const FitOptions& opt
 
 Explained explain_tracks(const Problem& problem, const Estimation& fit, const FitOptions& options) {
   if (!problem.has_driven_tracks() || !fit.rejected()) return {};
+  Explained result;
   Quoted under{problem, {}, {}};
   const auto with_scatter = [&](double relative) {
     return with_run_scatter(under.problem, relative, false, fit.roughly(FitParameter::mu1),
                             fit.roughly(FitParameter::mu2));
   };
+  // Runs that contradict the others by what they moved, though their friction may differ.
   const Problem ends = by_displacements(with_scatter(kUsual));
   Estimation by_ends(ends, options);
   by_ends.find_minimum();
   by_ends.test_residuals();
-  Explained result = explain(ends, by_ends, options);
-  std::erase_if(result.list,
-                [](const ExplainedProblem& e) { return !(e.found.name == "bad_run" && e.found.explains); });
   std::vector<TrajectoryRun>& tracks = under.problem.trajectory_runs;
-  if (result.quoted)
-    for (const SummaryRun& run : result.quoted->problem.summary_runs)
-      if (run.held_out &&
-          std::erase_if(tracks, [&](const auto& track) { return track.name == run.name; }) > 0) {
-        under.problem.summary_runs.push_back(run);
-        under.under.push_back("run '" + run.name + "' left out: it contradicts the others");
-      }
-  result.quoted.reset();
-  if (tracks.size() < problem.trajectory_runs.size()) {
-    Estimation others(under.problem, options);
-    others.find_minimum();
-    others.test_residuals();
-    if (!others.rejected()) {
-      under.problem.start = others.estimates_alone();
-      result.quoted = std::move(under);
-      return result;
-    }
+  for (const Outlier& outlier : by_ends.outliers()) {
+    if (std::erase_if(tracks, [&](const auto& track) { return track.name == outlier.run; }) == 0) continue;
+    SummaryRun left_out = *std::ranges::find(ends.summary_runs, outlier.run, &SummaryRun::name);
+    left_out.held_out = true;
+    under.problem.summary_runs.push_back(std::move(left_out));
+    under.under.push_back(text_of_bad_run(outlier.run));
   }
+  std::optional<Estimation> others;
+  if (!under.under.empty()) {
+    others.emplace(under.problem, options);
+    others->find_minimum();
+    others->test_residuals();
+    under.problem.start = others->estimates_alone();
+    result.quoted = under;
+    if (!others->rejected()) return result;
+  }
+  const Estimation& alike = others ? *others : fit;
   const Problem wide = with_scatter(kUsual);
   Estimation apart(wide, options);
   apart.find_minimum();
   apart.test_residuals();
-  if (apart.rejected()) return {};
+  if (apart.rejected()) return result;
   under.problem = with_scatter(apart.scatter_of_friction());
   // Two numbers of each run follow a drift of its points as well.
   const Estimation scattered(under.problem, options);
   if (!(scattered.log_likelihood(apart.values_for(scattered)) >
-        fit.log_likelihood(fit.values()) + kPreferred / 2))
-    return {};
+        alike.log_likelihood(alike.values()) + kPreferred / 2))
+    return result;
   under.problem.start = apart.estimates_alone();
   Explanation scatter = apart.scatter_explained(fit);
   under.under.push_back(sentence_of(scatter));

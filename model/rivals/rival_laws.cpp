@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <set>
 #include <string>
@@ -105,9 +104,10 @@ class Equation {
       friction_.by_speed_time.lane[lane] = rate * (after_by_speed - before_by_speed);
     }
   }
-  /// Where mu of any law jumps or bends, every turn's end, and what is asked for.
-  std::vector<double> stations(double turn, std::vector<double> times) const {
-    const double w = s_.drive.angular_frequency, end = times.empty() ? 0 : times.back();
+  /// Where mu of any law jumps or bends, every turn's end, and the end.
+  std::vector<double> stations(double turn, double end) const {
+    const double w = s_.drive.angular_frequency;
+    std::vector<double> times{end};
     std::set<double> edges;
     for (const RivalLaw& law : laws_)
       for (const double bend : {-0.5 * w * law.rise, 0.5 * w * law.rise})
@@ -178,39 +178,50 @@ class Integration {
     double turns = 0;  ///< that go before it, each by way_
   };
 
-  static Places places(const RivalMotion& motion) {
+  static Places of_lanes(const RivalRow& x, const RivalRow& y) {
     Places result;
-    result << Eigen::Map<const Eigen::RowVectorXd>(motion.x.lane, kRivalLanes),
-        Eigen::Map<const Eigen::RowVectorXd>(motion.y.lane, kRivalLanes);
+    result << Eigen::Map<const Eigen::RowVectorXd>(x.lane, kRivalLanes),
+        Eigen::Map<const Eigen::RowVectorXd>(y.lane, kRivalLanes);
     return result;
   }
+  static Places places(const RivalMotion& motion) { return of_lanes(motion.x, motion.y); }
+  static Places speeds(const RivalMotion& motion) { return of_lanes(motion.u_x, motion.u_y); }
 
   /// Until a turn brings all velocities back to where they were; what was seen is asked no more.
   void see(std::vector<Asked>& asked, Eigen::MatrixXd& positions) {
-    std::vector<double> times;
-    for (const Asked& one : asked) times.push_back(one.time);
+    if (asked.empty()) return;
     auto next = asked.begin();
-    const auto look = [&](double until) {
-      for (; next != asked.end() && next->time <= until; ++next)
-        positions.middleRows<2>(next->row) = places(in_.from) + next->turns * way_;
+    const auto look = [&](double since) {
+      for (; next != asked.end() && next->time <= t_; ++next)
+        positions.middleRows<2>(next->row) = between(since, next->time) + next->turns * way_;
     };
     look(t_);
     RivalMotion before = in_.from;
     double next_turn = t_ + turn_ * (1 - 1e-12);
-    for (const double station : f_.stations(turn_, times)) {
-      if (t_ < station) pass(station);
-      look(t_);
+    for (const double station : f_.stations(turn_, asked.back().time)) {
+      if (t_ < station) enter(station);
+      while (t_ < station) {
+        const double since = t_;
+        step(station);
+        look(since);
+      }
       if (t_ < next_turn || next == asked.end()) continue;
       if (repeats(before)) {
         way_ = places(in_.from) - places(before);
-        asked.erase(asked.begin(), next);
-        return;
+        break;
       }
       before = in_.from;
       next_turn = t_ + turn_ * (1 - 1e-12);
     }
-    look(std::numeric_limits<double>::infinity());
-    asked.clear();
+    asked.erase(asked.begin(), next);
+  }
+
+  /// In the step since then: by positions and velocities at both ends (Hermite).
+  Places between(double since, double time) const {
+    if (!(t_ > since)) return places(in_.from);
+    const double h = t_ - since, s = (time - since) / h, left = 1 - s;
+    return left * left * ((1 + 2 * s) * places(before_) + s * h * speeds(before_)) +
+           s * s * ((3 - 2 * s) * places(in_.from) - left * h * speeds(in_.from));
   }
 
   bool repeats(const RivalMotion& before) const {
@@ -221,30 +232,33 @@ class Integration {
     return true;
   }
 
-  /// Over a segment: lanes at rest join in where the drive exceeds their friction.
-  void pass(double station) {
+  /// A segment: lanes at rest will join in where the drive exceeds their friction.
+  void enter(double station) {
     f_.enter(t_, station);
     for (int lane = 0; lane < kRivalLanes; ++lane)
       if (rests(lane)) released_[lane] = release(lane, station);
     in_.drive[0] = f_.drive(t_);
-    while (t_ < station) {
-      double until = station;
-      bool all_rest = true;
-      for (int lane = 0; lane < kRivalLanes; ++lane) {
-        if (rests(lane) && released_[lane] <= t_) {
-          in_.moving.lane[lane] = 1;
-          h_ = std::min(h_, first_step_);  // from rest the direction jumps, whatever the others do
-        }
-        all_rest &= rests(lane);
-        if (rests(lane)) until = std::min(until, released_[lane]);
+  }
+
+  /// A step of its motion, or the whole time in which all rest.
+  void step(double station) {
+    double until = station;
+    bool all_rest = true;
+    for (int lane = 0; lane < kRivalLanes; ++lane) {
+      if (rests(lane) && released_[lane] <= t_) {
+        in_.moving.lane[lane] = 1;
+        h_ = std::min(h_, first_step_);  // from rest the direction jumps, whatever the others do
       }
-      if (all_rest) {
-        t_ = until;
-        in_.drive[0] = f_.drive(t_);
-      } else {
-        advance(until);
-        stop(station);
-      }
+      all_rest &= rests(lane);
+      if (rests(lane)) until = std::min(until, released_[lane]);
+    }
+    before_ = in_.from;
+    if (all_rest) {
+      t_ = until;
+      in_.drive[0] = f_.drive(t_);
+    } else {
+      advance(until);
+      stop(station);
     }
   }
 
@@ -290,7 +304,6 @@ class Integration {
       take_rival_step(in_, next, error);
       const double factor = error > 0 ? 0.9 / std::sqrt(std::sqrt(error)) : 5;
       if (error <= 1) {
-        before_ = in_.from;
         in_.from = next;
         in_.drive[0] = in_.drive[4];
         t_ = ends ? until : t_ + h;
