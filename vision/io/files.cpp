@@ -102,32 +102,21 @@ void require_sensible_size(const std::filesystem::path& file, std::int64_t width
 namespace {
 
 /// Every unfinished file of this process: an interrupted program has to remove them, whoever writes them.
-class PartialFiles {
- public:
-  static PartialFiles& of_this_process() {
-    static auto& files = *new PartialFiles;  // never destroyed: files may be removed while the process ends
-    return files;
-  }
-  void add(const std::filesystem::path& path) {
-    const std::lock_guard lock(mutex_);
-    paths_.insert(path);
-  }
-  void forget(const std::filesystem::path& path) {
-    const std::lock_guard lock(mutex_);
-    paths_.erase(path);
-  }
-  /// Twice: meanwhile another thread may have opened one of them again.
-  void remove_all() {
-    const std::lock_guard lock(mutex_);
-    std::error_code ignored;
-    for (int round = 0; round < 2; ++round)
-      for (const std::filesystem::path& path : paths_) std::filesystem::remove(path, ignored);
-  }
-
- private:
-  std::mutex mutex_;
-  std::set<std::filesystem::path> paths_;
+struct PartialFiles {
+  std::mutex mutex;
+  std::set<std::filesystem::path> paths;
 };
+PartialFiles& partial_files() {
+  static auto& files = *new PartialFiles;  // never destroyed: files may be removed while the process ends
+  return files;
+}
+void note(const std::filesystem::path& path, bool unfinished) {
+  const std::lock_guard lock(partial_files().mutex);
+  if (unfinished)
+    partial_files().paths.insert(path);
+  else
+    partial_files().paths.erase(path);
+}
 
 constexpr const char* kMakeRoom = "make room, or choose another folder";
 
@@ -154,7 +143,7 @@ TemporaryFile::TemporaryFile(const std::filesystem::path& target) : target_(end_
     const std::uint64_t number = std::uint64_t{random()} << 32 | random();
     temporary_ = target_.parent_path() /
                  fmt::format(".{}{}{}-{:016x}", target_.filename().string(), kMark, ::getpid(), number);
-    PartialFiles::of_this_process().add(temporary_);
+    note(temporary_, true);
     const int descriptor =
         ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (descriptor >= 0) {
@@ -164,7 +153,7 @@ TemporaryFile::TemporaryFile(const std::filesystem::path& target) : target_(end_
       return;
     }
     const int reason = errno;
-    PartialFiles::of_this_process().forget(temporary_);
+    note(temporary_, false);
     if (reason != EEXIST) refuse(reason);
   }
 }
@@ -178,7 +167,7 @@ TemporaryFile::~TemporaryFile() {
   if (temporary_.empty()) return;
   std::error_code ignored;
   std::filesystem::remove(temporary_, ignored);
-  PartialFiles::of_this_process().forget(temporary_);
+  note(temporary_, false);
 }
 
 /// Throws OutputError where it is not the file that was made.
@@ -216,7 +205,7 @@ void TemporaryFile::commit() {
     if (::fsync(file.descriptor) != 0 && errno != EINVAL && errno != EROFS) refuse(errno);
   }
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) refuse(errno);
-  PartialFiles::of_this_process().forget(temporary_);
+  note(temporary_, false);
   temporary_.clear();
   const std::filesystem::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
   const Open named{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
@@ -244,7 +233,11 @@ std::string with_remedy(int error, const std::string& otherwise) {
 }
 
 void remove_partial_files() {
-  PartialFiles::of_this_process().remove_all();
+  const std::lock_guard lock(partial_files().mutex);
+  std::error_code ignored;
+  // Twice: meanwhile another thread may have opened one of them again.
+  for (int round = 0; round < 2; ++round)
+    for (const std::filesystem::path& path : partial_files().paths) std::filesystem::remove(path, ignored);
 }
 
 }  // namespace tribotrack::vision

@@ -16,10 +16,10 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 namespace at = cine_layout;
 
+/// 0 where the block ends before it.
 template <typename Number>
-std::optional<Number> field(Bytes block, std::size_t offset) {
-  if (offset + sizeof(Number) > block.size()) return std::nullopt;
-  return load<Number>(block, offset);
+Number field(Bytes block, std::size_t offset) {
+  return offset + sizeof(Number) > block.size() ? Number{} : load<Number>(block, offset);
 }
 
 void read_bitmap(const MappedFile& file, Bytes bitmap, CineHeader& header) {
@@ -62,9 +62,9 @@ void read_bitmap(const MappedFile& file, Bytes bitmap, CineHeader& header) {
   header.image_bytes = header.row_bytes * rows;
 }
 
-int significant_bits(const CineHeader& header, std::optional<std::uint32_t> real_bits, std::uint32_t levels) {
+int significant_bits(const CineHeader& header, std::uint32_t real_bits, std::uint32_t levels) {
   if (header.packing != CinePacking::none || header.level_bytes == 1) return header.bits;
-  if (real_bits && *real_bits >= 8 && *real_bits <= 16) return static_cast<int>(*real_bits);
+  if (real_bits >= 8 && real_bits <= 16) return static_cast<int>(real_bits);
   if (levels > 256 && levels <= 65536 && std::has_single_bit(levels)) return std::countr_zero(levels);
   return 16;
 }
@@ -207,24 +207,24 @@ CineHeader read_cine_header(const MappedFile& file) {
   const Bytes setup = file.bytes(setup_position, length, "the setup block");
 
   refuse_colour_mosaic(file, load<std::uint16_t>(head, at::compression),
-                       field<std::uint32_t>(setup, at::colour_filter).value_or(0));
+                       field<std::uint32_t>(setup, at::colour_filter));
   read_bitmap(file, bitmap, header);
   header.bits = significant_bits(header, field<std::uint32_t>(setup, at::real_bits),
                                  load<std::uint32_t>(bitmap, at::bitmap_levels));
-  header.short_rate = field<std::uint16_t>(setup, at::short_rate).value_or(0);
-  header.integer_rate = field<std::uint32_t>(setup, at::integer_rate).value_or(0);
-  header.camera_version = field<std::uint32_t>(setup, at::camera_version).value_or(0);
-  header.colour_filter = field<std::uint32_t>(setup, at::colour_filter).value_or(0) != 0;
-  header.shown_mirrored = field<std::uint32_t>(setup, at::flip_horizontal).value_or(0) != 0 ||
-                          field<std::uint32_t>(setup, at::flip_vertical).value_or(0) != 0;
-  const auto black = field<std::int32_t>(setup, at::black_level);
-  const auto white = field<std::int32_t>(setup, at::white_level);
-  if (black && white && *white > *black && *black >= 0 && *white <= 65535) {
+  header.short_rate = field<std::uint16_t>(setup, at::short_rate);
+  header.integer_rate = field<std::uint32_t>(setup, at::integer_rate);
+  header.camera_version = field<std::uint32_t>(setup, at::camera_version);
+  header.colour_filter = field<std::uint32_t>(setup, at::colour_filter) != 0;
+  header.shown_mirrored = field<std::uint32_t>(setup, at::flip_horizontal) != 0 ||
+                          field<std::uint32_t>(setup, at::flip_vertical) != 0;
+  const auto black = field<std::int32_t>(setup, at::black_level),
+             white = field<std::int32_t>(setup, at::white_level);
+  if (white > black && black >= 0 && white <= 65535) {
     header.black_level = black;
     header.white_level = white;
   }
-  if (const auto exposure = field<std::uint32_t>(setup, at::exposure_ns); exposure.value_or(0) > 0)
-    header.exposure_s = *exposure * 1e-9;
+  if (const auto exposure = field<std::uint32_t>(setup, at::exposure_ns); exposure > 0)
+    header.exposure_s = exposure * 1e-9;
 
   const auto table = load<std::uint32_t>(head, at::image_table_offset);
   read_image_table(file, table, count, version == 1, header);

@@ -21,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::array<const char*, 4> kSidecars = {".cihx", ".CIHX", ".cih", ".CIH"};
 constexpr std::size_t kMostBytes = 1 << 20;  ///< some ten thousand are usual
 
 /// The value behind a key of a .cih, or in the innermost of nested elements of a .cihx; empty without it.
@@ -65,8 +66,7 @@ std::int64_t whole_of(std::string_view text) {
 }
 
 bool is_sidecar(const fs::path& path) {
-  const std::string extension = path.extension().string();
-  return extension == ".cihx" || extension == ".CIHX" || extension == ".cih" || extension == ".CIH";
+  return std::ranges::count(kSidecars, path.extension().string()) > 0;
 }
 
 }  // namespace
@@ -119,7 +119,7 @@ void PhotronSidecar::describe(SourceInfo& info, std::vector<TimeBaseCandidate>& 
 }
 
 std::optional<fs::path> photron_sidecar(const fs::path& recording) {
-  for (const char* extension : {".cihx", ".CIHX", ".cih", ".CIH"}) {
+  for (const char* extension : kSidecars) {
     fs::path beside = recording;
     beside.replace_extension(extension);
     if (std::ifstream(beside, std::ios::binary)) return beside;

@@ -31,9 +31,28 @@ void require_supported(const cv::Mat& image, const std::string& name) {
     refuse(name, "has {} channels; convert it to grey or RGB", image.channels());
 }
 
-/// What sequences and stacks share: the description from the first frame, and a frame kept decoded.
+/// The pictures of a folder or a pattern, or the pages of one file; a frame is kept decoded.
 class DecodedPictures : public DecodedSource {
  public:
+  DecodedPictures(const fs::path& path, PictureList pictures, const SourceOptions& options)
+      : files_(std::move(pictures.files)) {
+    info_.path = path;
+    info_.format = "image sequence";
+    info_.frame_count = std::ssize(files_);
+    info_.first_number = pictures.first_number;
+    info_.notes = std::move(pictures.notes);
+    describe(photron_sidecar_of_pictures(files_.front()), options);
+  }
+  DecodedPictures(const fs::path& file, const SourceOptions& options) : files_{file} {
+    const bool tiff = has_tiff_extension(file);
+    info_.path = file;
+    info_.format = tiff ? "tiff stack" : "picture";
+    info_.frame_count = tiff ? count_tiff_pages(file) : 1;
+    if (info_.frame_count == 0) refuse(file, "holds no page; export it again");
+    require_decodable_picture(file);
+    describe(photron_sidecar(file), options);
+  }
+
   StoredFrame decode(std::int64_t index) override {
     const cv::Mat& image = decoded(index);
     const auto pixel = static_cast<std::ptrdiff_t>(image.elemSize());
@@ -46,11 +65,7 @@ class DecodedPictures : public DecodedSource {
     return stored_in(luma_);
   }
 
- protected:
-  /// A frame without checks.
-  virtual cv::Mat picture(std::int64_t index) = 0;
-  virtual std::string frame_name(std::int64_t index) const = 0;
-
+ private:
   void describe(const std::optional<fs::path>& sidecar, const SourceOptions& options) {
     const cv::Mat& first = decoded(0);
     info_.decoded = true;
@@ -65,7 +80,6 @@ class DecodedPictures : public DecodedSource {
     info_.time_base = judge_time(evidence, options, info_.first_number, info_.notes);
   }
 
- private:
   const cv::Mat& decoded(std::int64_t index) {
     if (index == kept_index_) return kept_;
     kept_index_ = -1;
@@ -86,69 +100,39 @@ class DecodedPictures : public DecodedSource {
     return kept_;
   }
 
-  cv::Mat kept_;
-  Picture luma_;  ///< of it, where it has colour
-  std::int64_t kept_index_ = -1;
-};
-
-class PictureSequence : public DecodedPictures {
- public:
-  PictureSequence(const fs::path& path, PictureList pictures, const SourceOptions& options)
-      : files_(std::move(pictures.files)) {
-    info_.path = path;
-    info_.format = "image sequence";
-    info_.frame_count = static_cast<std::int64_t>(files_.size());
-    info_.first_number = pictures.first_number;
-    info_.notes = std::move(pictures.notes);
-    describe(photron_sidecar_of_pictures(files_.front()), options);
+  bool has_pages() const { return std::ssize(files_) < info_.frame_count; }
+  const fs::path& file(std::int64_t index) const {
+    return files_[has_pages() ? 0 : static_cast<std::size_t>(index)];
   }
-
- private:
-  cv::Mat picture(std::int64_t index) override {
-    const fs::path& file = files_[static_cast<std::size_t>(index)];
-    require_readable_file(file);
-    require_decodable_picture(file);
-    return read_picture(file.string());
+  std::string frame_name(std::int64_t index) const {
+    return file(index).string() + (has_pages() ? "', page '" + std::to_string(index) : "");
   }
-  std::string frame_name(std::int64_t index) const override {
-    return files_[static_cast<std::size_t>(index)].string();
+  /// Without checks of what it shows.
+  cv::Mat picture(std::int64_t index) {
+    if (has_pages()) return page(index);
+    require_readable_file(file(index));
+    require_decodable_picture(file(index));
+    return read_picture(file(index).string());
   }
-
-  std::vector<fs::path> files_;
-};
-
-/// Pages are decoded some at a time: finding page n walks past all before it.
-class PictureStack : public DecodedPictures {
- public:
-  PictureStack(const fs::path& path, const SourceOptions& options) : path_(path) {
-    info_.path = path;
-    info_.format = has_tiff_extension(path) ? "tiff stack" : "picture";
-    info_.frame_count = has_tiff_extension(path) ? count_tiff_pages(path) : 1;
-    if (info_.frame_count == 0) refuse(path, "holds no page; export it again");
-    require_decodable_picture(path);
-    describe(photron_sidecar(path), options);
-  }
-
- private:
-  cv::Mat picture(std::int64_t index) override {
-    if (info_.frame_count == 1) return read_picture(path_.string());
-    constexpr std::int64_t pages_at_a_time = 16;
-    if (index < first_page_ || index >= first_page_ + static_cast<std::int64_t>(pages_.size())) {
+  /// Some at a time: finding page n walks past all before it.
+  cv::Mat page(std::int64_t index) {
+    constexpr std::int64_t kAtATime = 16;
+    if (index < first_page_ || index >= first_page_ + std::ssize(pages_)) {
       pages_.clear();
       first_page_ = index;
-      const auto count = std::min(pages_at_a_time, info_.frame_count - index);
-      pages_ = read_pages(path_.string(), static_cast<int>(index), static_cast<int>(count));
+      const auto count = std::min(kAtATime, info_.frame_count - index);
+      pages_ = read_pages(file(index).string(), static_cast<int>(index), static_cast<int>(count));
     }
     const auto slot = static_cast<std::size_t>(index - first_page_);
     return slot < pages_.size() ? pages_[slot] : cv::Mat();
   }
-  std::string frame_name(std::int64_t index) const override {
-    return path_.string() + (info_.frame_count > 1 ? "', page '" + std::to_string(index) : "");
-  }
 
-  fs::path path_;
+  std::vector<fs::path> files_;
   std::vector<cv::Mat> pages_;
   std::int64_t first_page_ = 0;
+  cv::Mat kept_;
+  Picture luma_;  ///< of it, where it has colour
+  std::int64_t kept_index_ = -1;
 };
 
 }  // namespace
@@ -157,13 +141,13 @@ std::unique_ptr<FrameSource> open_picture_sequence(const fs::path& path, Picture
                                                    const SourceOptions& options) {
   load_picture_library();
   return open_contained(
-      path, [&] { return std::make_unique<PictureSequence>(path, std::move(pictures), options); });
+      path, [&] { return std::make_unique<DecodedPictures>(path, std::move(pictures), options); });
 }
 
 std::unique_ptr<FrameSource> open_picture_stack(const fs::path& path, const SourceOptions& options) {
   require_readable_file(path);
   load_picture_library();
-  return open_contained(path, [&] { return std::make_unique<PictureStack>(path, options); });
+  return open_contained(path, [&] { return std::make_unique<DecodedPictures>(path, options); });
 }
 
 namespace {
