@@ -9,7 +9,8 @@ namespace {
 
 /// Columns of length 1; those that are zero stay so.
 Eigen::MatrixXd normalised(const Eigen::MatrixXd& columns) {
-  return columns * columns.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal();
+  const Eigen::RowVectorXd lengths = columns.colwise().norm().cwiseMax(1e-300);  // once, not for each element
+  return columns * lengths.cwiseInverse().asDiagonal();
 }
 
 }  // namespace
