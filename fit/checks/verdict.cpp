@@ -78,10 +78,7 @@ void judge(FitResult& result) {
   const bool tracks = std::ranges::any_of(result.runs, [](const RunResult& run) { return run.points > 0; });
   const bool driven_tracks = tracks && result.slides.empty();
   const bool robust = result.loss != Loss::squares;
-  // Errors of tracking are no larger than that.
-  constexpr double kMostOfTracking = 3;  // in sds of the points
-  const bool by_tracking =
-      tracks && !(driven_tracks && result.chi2 > std::pow(kMostOfTracking, 2) * result.dof);
+  const bool by_tracking = tracks && !(driven_tracks && result.chi2 > kMostOfTracking * result.dof);
   if (rejected && result.quoted_under.empty() && !repeated && !by_tracking && !robust)
     reasons.push_back(rejection(result) + ", and nothing looked at explains it");
   if (!reasons.empty()) return;

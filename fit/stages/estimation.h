@@ -45,6 +45,8 @@ class Estimation {
   std::vector<Eigen::VectorXd> ends() const;
   /// By chance in one of a thousand; the scatter of repeated runs is none of the model's.
   bool rejected() const { return p_value_ < kSurprise; }
+  /// What points deviate by may be errors of tracking.
+  bool by_tracking() const { return minimum_.chi2 < kMostOfTracking * result_.dof; }
   double chi2() const { return minimum_.chi2; }
   const Unknowns& unknowns() const { return unknowns_; }
   Eigen::VectorXd values() const { return unknowns_.values(minimum_.z); }

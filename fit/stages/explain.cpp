@@ -216,7 +216,7 @@ Explained explain_tracks(const Problem& problem, const Estimation& fit, const Fi
     others->find_minimum();
     others->test_residuals();
     under.problem.start = others->estimates_alone();
-    result.quoted = under;
+    if (others->by_tracking()) result.quoted = under;
     if (!others->rejected()) return result;
   }
   const Estimation& alike = others ? *others : fit;

@@ -7,6 +7,8 @@ namespace tribotrack::fit::internal {
 inline constexpr double kSurprise = 1e-3;
 /// p of chi^2 above which an explanation leaves nothing to explain.
 inline constexpr double kExplained = 0.01;
+/// Chi^2 of a track's points per degree of freedom: errors of tracking are no larger than three of their sds.
+inline constexpr double kMostOfTracking = 9;
 /// p of chi^2 below which excess variance between runs is added to the covariance. Milder than kSurprise: a
 /// few runs cannot show at that level errors as large as their own sigma.
 inline constexpr double kDoubt = 0.05;
