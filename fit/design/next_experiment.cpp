@@ -22,7 +22,6 @@ constexpr double kGridStep = std::numbers::pi / 4;  ///< of the grid in phi and 
 constexpr double kWorthMentioning = 0.02;           ///< shorter standard deviation than with the best for all
 constexpr double kWorthAnotherDrive = 0.1;          ///< shorter standard deviations than with the own drive
 constexpr std::pair<double, double> kDrives[] = {{1, 1}, {0.8, 1}, {1.25, 1}, {1, 0.8}, {1, 1.25}};
-constexpr std::size_t kForecastAgain = 3;    ///< best places of the grid, at every phi
 constexpr double kForecastTolerance = 1e-3;  ///< of the forecasts: derivatives to better than 1e-3
 
 constexpr long kMostSteps = 500'000;  ///< of all integrations: about a second
@@ -62,39 +61,30 @@ class Search {
     now_ = reported_covariance(information_, unknowns_.reported());
   }
 
-  /// Forecasts over the whole grid, at phi = 0.
+  /// Forecasts over the whole grid.
   void sample() {
     const Candidate own = forecaster_.drive_so_far();
     for (const auto& [a, w] : kDrives)
-      for (std::size_t j = 1; j <= kWidths; ++j)
-        places_.push_back(
-            {{0, static_cast<double>(j) * kGridStep, a * own.amplitude, w * own.angular_frequency},
-             a == 1 && w == 1});
-    for (std::size_t first = 0; first < places_.size() && !late(); first += kWidths) {
-      std::vector<Candidate> seeds;
-      for (std::size_t k = first; k < first + kWidths; ++k) seeds.push_back(places_[k].seed);
-      const auto forecasts = this->forecasts(seeds);
-      for (std::size_t k = 0; k < kWidths; ++k) places_[first + k].at_zero = forecasts[k];
-    }
+      for (int i = 0; i < kPhases && !late(); ++i) {
+        std::vector<Candidate> candidates;
+        for (std::size_t j = 1; j <= kWidths; ++j)
+          candidates.push_back({i * kGridStep, static_cast<double>(j) * kGridStep, a * own.amplitude,
+                                w * own.angular_frequency});
+        add_forecasts(candidates, a == 1 && w == 1);
+      }
   }
   /// The integrations so far took too many steps: counted, since by a clock no two results would be alike.
   bool late() const { return steps_ > kMostSteps; }
 
-  std::optional<NextExperiment> best(std::optional<Eigen::Index> aim, bool own_drive) {
-    std::vector<std::pair<double, Place*>> order;
-    for (Place& place : places_)
-      if (!place.at_zero.empty() && place.own_drive == own_drive)
-        order.emplace_back(size(after(place.at_zero), aim), &place);
-    std::stable_sort(order.begin(), order.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::optional<NextExperiment> best(std::optional<Eigen::Index> aim, bool own_drive) const {
     const Forecast* chosen = nullptr;
     double smallest = size(now_, aim);
-    for (std::size_t k = 0; k < std::min(order.size(), kForecastAgain); ++k)
-      for (const Forecast& forecast : at_every_phase(*order[k].second)) {
-        if (forecast.empty() || !(size(after(forecast), aim) < smallest)) continue;
-        smallest = size(after(forecast), aim);
-        chosen = &forecast;
-      }
+    for (const Forecast& forecast : own_drive ? with_own_drive_ : with_another_) {
+      const double here = size(after(forecast), aim);
+      if (!(here < smallest)) continue;
+      smallest = here;
+      chosen = &forecast;
+    }
     if (!chosen) return std::nullopt;
     return describe(*chosen, aim, own_drive);
   }
@@ -110,32 +100,17 @@ class Search {
   }
 
  private:
-  /// A place of the grid over dtau, A and w, and what it promises.
-  struct Place {
-    Candidate seed;
-    bool own_drive = false;
-    Forecast at_zero = {};            ///< phi = 0
-    std::vector<Forecast> good = {};  ///< at every phi, once needed
-  };
-
-  std::vector<Forecast> forecasts(const std::vector<Candidate>& candidates) {
+  void add_forecasts(const std::vector<Candidate>& candidates, bool own_drive) {
     std::vector<Forecast> all(candidates.size());
     stage_.expect(all.size());
     parallel_for(all.size(), threads_, [&](std::size_t k) {
       all[k] = forecaster_.forecast(candidates[k], kForecastTolerance);
       stage_.done();
     });
-    for (const Forecast& one : all) steps_ += one.steps;
-    return all;
-  }
-
-  const std::vector<Forecast>& at_every_phase(Place& place) {
-    if (!place.good.empty() || late()) return place.good;
-    std::vector<Candidate> turned(kPhases - 1, place.seed);
-    for (int i = 1; i < kPhases; ++i) turned[static_cast<std::size_t>(i - 1)].phi = i * kGridStep;
-    place.good = forecasts(turned);
-    place.good.insert(place.good.begin(), place.at_zero);
-    return place.good;
+    for (Forecast& one : all) {
+      steps_ += one.steps;
+      if (!one.empty()) (own_drive ? with_own_drive_ : with_another_).push_back(std::move(one));
+    }
   }
 
   Eigen::MatrixXd after(const Forecast& forecast) const {
@@ -180,7 +155,7 @@ class Search {
   Stage stage_;
   long steps_ = 0;
   Eigen::MatrixXd information_, now_;
-  std::vector<Place> places_;
+  std::vector<Forecast> with_own_drive_, with_another_;
 };
 
 }  // namespace

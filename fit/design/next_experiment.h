@@ -21,10 +21,8 @@ struct NextExperiments {
 };
 
 /// Over a grid of phi (by pi/4), dtau (by pi/4), A and w (the runs' own, one of them by 0.8 or 1.25).
-/// Forecast at one phi: by the rotation law all promise the same of friction; the most promising are then
-/// forecast at every phi. Bounded: by the steps of all integrations (about a second), and by 50 times those
-/// of the runs so far for a candidate. `t`: the two-sided 95 % quantile of the intervals. Empty without
-/// driven runs.
+/// Bounded: by the steps of all integrations (about a second), and by 50 times those of the runs so far for a
+/// candidate. `t`: the two-sided 95 % quantile of the intervals. Empty without driven runs.
 NextExperiments next_experiments(const Residuals& residuals, const Eigen::VectorXd& values,
                                  const Linearised& at, double t, const FitOptions& options);
 
