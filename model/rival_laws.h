@@ -1,6 +1,6 @@
 // Laws of friction beside the paper's, to tell whether data ask for them.
 //   const std::vector<RivalLaw> laws{{.viscous = 0.5}};                   // mu g + 0.5 1/s |u|
-//   const Eigen::Matrix2Xd moved = rival_displacements(scenario, laws);   // m
+//   const Eigen::Matrix2Xd moved = rival_positions(scenario, {scenario.end_time()}, laws);   // m
 #pragma once
 
 #include <Eigen/Core>
@@ -33,21 +33,17 @@ struct RivalLaw {
 /// That are integrated together: the lanes of a vector register.
 constexpr std::size_t kMostRivalLaws = 8;
 
-/// Displacements at the end of the run under one to kMostRivalLaws laws, m, a column each: a Rosenbrock
-/// method of order 4 (3), L-stable since a part that creeps is stiff, that stops and starts anew wherever a
-/// mu has a kink, with sticking decided by the friction at rest. All take the same steps, so that most of
-/// their errors cancel in differences. `tolerance` is of each step, relative to A and A w (the initial speed
-/// where the platform rests) and to the way and the speed. A general integrator without derivatives, slower
-/// than integrate(). Throws InvalidParameter for a Stribeck strength of -1 and below, which makes friction
-/// negative at rest, or a negative fading, for a rise longer than the pulse or the pause, for a start other
-/// than rest, and where too many steps are needed. Viscous friction of negative strength, which a fit may
-/// try, is taken as it stands, unless at the speed A w friction as a whole were negative: it would push the
-/// part.
-Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const RivalLaw> laws,
-                                     double tolerance = 1e-9);
-
-/// Positions on the way, m, a column for each law: rows 2 k and 2 k + 1 are x and y at `times`[k], s from the
-/// start. Throws as above, and where `times` is empty or does not ascend.
+/// Positions under one to kMostRivalLaws laws, m, a column each: rows 2 k and 2 k + 1 are x and y at
+/// `times`[k], s from the start. A Rosenbrock method of order 4 (3), L-stable since a part that creeps is
+/// stiff, that stops and starts anew wherever a mu has a kink, with sticking decided by the friction at rest;
+/// cubic between steps. All laws take the same steps, so that most of their errors cancel in differences.
+/// `tolerance` is of each step, relative to A and A w (the initial speed where the platform rests) and to the
+/// way and the speed. A general integrator without derivatives, slower than integrate(). Throws
+/// InvalidParameter for a Stribeck strength of -1 and below, which makes friction negative at rest, or a
+/// negative fading, for a rise longer than the pulse or the pause, for a start other than rest, where `times`
+/// is empty or does not ascend, and where too many steps are needed. Viscous friction of negative strength,
+/// which a fit may try, is taken as it stands, unless at the speed A w friction as a whole were negative: it
+/// would push the part.
 Eigen::MatrixXd rival_positions(const Scenario& scenario, const std::vector<double>& times,
                                 std::span<const RivalLaw> laws, double tolerance = 1e-9);
 

@@ -354,9 +354,4 @@ Eigen::MatrixXd rival_positions(const Scenario& scenario, const std::vector<doub
   return Integration(scenario, laws, tolerance).at(times).leftCols(static_cast<Eigen::Index>(laws.size()));
 }
 
-Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const RivalLaw> laws,
-                                     double tolerance) {
-  return rival_positions(scenario, {scenario.end_time()}, laws, tolerance);
-}
-
 }  // namespace tribotrack::model

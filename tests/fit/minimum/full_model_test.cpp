@@ -18,7 +18,7 @@ Problem strong_stribeck() {
     run.scenario.friction.nominal = run.scenario.friction.reduced = 0.05;
     run.scenario.friction.lag = 0;
     const model::RivalLaw law{.stribeck = 0.45};
-    const Eigen::Vector2d moved = rival_displacements(truth, std::span(&law, 1));
+    const Eigen::Vector2d moved = rival_positions(truth, {truth.end_time()}, std::span(&law, 1));
     const double v = moved.norm() / truth.end_time();
     run.measured = displacement_from_alpha_v({std::atan2(moved.y(), moved.x()), 0.005}, {v, 0.005 * v},
                                              truth.drive.angular_frequency, 20);

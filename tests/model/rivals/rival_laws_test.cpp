@@ -11,6 +11,11 @@
 namespace tribotrack::model {
 namespace {
 
+Eigen::Matrix2Xd rival_displacements(const Scenario& scenario, std::span<const RivalLaw> laws,
+                                     double tolerance) {
+  return rival_positions(scenario, {scenario.end_time()}, laws, tolerance);
+}
+
 Eigen::Vector2d rival_displacement(const Scenario& scenario, const RivalLaw& law, double tolerance = 1e-9) {
   return rival_displacements(scenario, std::span(&law, 1), tolerance);
 }
@@ -36,7 +41,7 @@ TEST(RivalLaws, SideBySideEachIsAsAlone) {
           << "mu1 = " << mu1 << ", law " << i;
     }
   }
-  EXPECT_THROW(rival_displacements(Scenario{}, {}), InvalidParameter);
+  EXPECT_THROW(rival_displacements(Scenario{}, {}, 1e-9), InvalidParameter);
 }
 
 // Wherever a run is looked at, it is where a run that ends there ends; whole turns that repeat are passed
