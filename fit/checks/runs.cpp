@@ -14,12 +14,6 @@
 namespace tribotrack::fit::internal {
 namespace {
 
-/// P of `drop` in chi^2 by leaving out two data, when the rest has `rest` at `dof` degrees of freedom.
-double chance(double drop, double rest, double dof) {
-  if (dof < 1 || rest <= dof) return std::exp(-0.5 * drop);  // chi^2 with 2 degrees of freedom
-  return std::pow(1 + drop / rest, -0.5 * dof);              // F with 2 and dof
-}
-
 /// The angle by which the run's pulse would have to be turned, where that explains its displacement.
 /// nullopt, too, where it is no more than the run's own error in angle.
 std::optional<double> looks_like(const SummaryRun& run, const Eigen::Vector2d& modelled, double sigma) {
@@ -51,6 +45,11 @@ Outlier describe(const SummaryRun& run, double deviation, double probability, st
 
 }  // namespace
 
+double chance_of_run(double drop, double rest, double dof) {
+  if (dof < 1 || rest <= dof) return std::exp(-0.5 * drop);  // chi^2 with 2 degrees of freedom
+  return std::pow(1 + drop / rest, -0.5 * dof);              // F with 2 and dof
+}
+
 std::pair<std::size_t, double> worst_run(const Unknowns& unknowns, const Minimum& best,
                                          const std::vector<bool>& out) {
   const Eigen::MatrixXd covariance = uncertainty(unknowns, unknowns.values(best.z), best.at).shared;
@@ -80,7 +79,8 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
   while (found.size() < runs / 4 && dof > 3 && !best.at.empty()) {
     const auto [i, first_order] = worst_run(residuals.unknowns(), best, out);
     const double count = static_cast<double>(runs);
-    if (!(count * chance(first_order, std::max(0.0, best.chi2 - first_order), dof - 2) < 10 * kOutlier))
+    if (!(count * chance_of_run(first_order, std::max(0.0, best.chi2 - first_order), dof - 2) <
+          10 * kOutlier))
       break;
     out[i] = true;
     std::vector<double> weights;
@@ -88,7 +88,7 @@ std::vector<Outlier> find_outliers(Residuals residuals, Minimum best) {
     residuals.set_weights(weights);
     const Minimum without = linearised(residuals, minimise(residuals, best.z, {.decrement = 1e-6}));
     const double drop = best.chi2 - without.chi2;
-    const double probability = std::min(1.0, count * chance(drop, without.chi2, dof - 2));
+    const double probability = std::min(1.0, count * chance_of_run(drop, without.chi2, dof - 2));
     if (!(probability < kOutlier) || without.at.empty()) break;
     const double spread = std::sqrt(std::max(1.0, without.chi2 / (dof - 2)));
     const Eigen::Vector2d modelled =

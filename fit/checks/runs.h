@@ -22,6 +22,9 @@ namespace tribotrack::fit::internal {
 /// weights, `best` their minimum.
 std::vector<Outlier> find_outliers(Residuals residuals, Minimum best);
 
+/// P of `drop` in chi^2 by leaving out a run, when the rest has `rest` at `dof` degrees of freedom.
+double chance_of_run(double drop, double rest, double dof);
+
 /// The run without which chi^2 falls most, to first order, and by how much; `out`: those that do not count.
 /// 0: no other run checks any.
 std::pair<std::size_t, double> worst_run(const Unknowns& unknowns, const Minimum& best,

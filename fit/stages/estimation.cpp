@@ -322,18 +322,24 @@ std::optional<std::pair<Explanation, RunScatter>> Estimation::scatter_at(
   return std::pair(found, *scatter);
 }
 
+std::pair<std::size_t, double> Estimation::worst() const {
+  std::vector<bool> out;
+  for (const SummaryRun& run : problem_.summary_runs) out.push_back(run.held_out);
+  return worst_run(unknowns_, linearised(residuals_, minimum_), out);
+}
+
 double Estimation::log_likelihood(const Eigen::VectorXd& values) const {
   Residuals rows = residuals_;
   rows.linearise(values);
   return estimate_correlated_errors(rows, values).log_likelihood;
 }
 
-Explanation Estimation::scatter_explained(const Estimation& other) const {
-  Explanation found = scatter_of(100 * scatter_of_friction(), problem_.trajectory_runs.size());
+Explanation Estimation::explained(Explanation found, const Estimation& other) const {
   found.chi2_fall = other.chi2() - chi2();
   found.p_after = p_value_;
   found.parameters = assumed().as_assumed;
-  found.refitted = found.explains = true;
+  found.refitted = true;
+  found.explains = by_tracking();
   return found;
 }
 

@@ -48,6 +48,9 @@ class Estimation {
   /// What points deviate by may be errors of tracking.
   bool by_tracking() const { return minimum_.chi2 < kMostOfTracking * result_.dof; }
   double chi2() const { return minimum_.chi2; }
+  int degrees_of_freedom() const { return result_.dof; }
+  /// Of displacements, without which chi^2 falls most to first order, and by how much.
+  std::pair<std::size_t, double> worst() const;
   const Unknowns& unknowns() const { return unknowns_; }
   Eigen::VectorXd values() const { return unknowns_.values(minimum_.z); }
   const std::vector<Outlier>& outliers() const { return result_.outliers; }
@@ -68,8 +71,8 @@ class Estimation {
   /// The restricted likelihood's logarithm of tracks near these values, errors that neighbouring points share
   /// being as large as is likeliest.
   double log_likelihood(const Eigen::VectorXd& values) const;
-  /// As an explanation of another fit to the same runs.
-  Explanation scatter_explained(const Estimation& other) const;
+  /// What this fit counts, as an explanation of another one to the same runs.
+  Explanation explained(Explanation found, const Estimation& other) const;
   /// Where the residuals exceed their sigma: scatter, correlated errors, robust weights.
   void explain_excess_variance();
   void quantify_uncertainty();

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "fit/checks/runs.h"
+
 namespace tribotrack::fit::internal {
 
 namespace {
@@ -185,6 +187,57 @@ Explained explain(const Problem& problem, Estimation& fit, const FitOptions& opt
   return result;
 }
 
+namespace {
+
+/// What tracks moved: how well that is described, and the run that contradicts the others most.
+struct Ends {
+  double chi2 = 0, dof = 0;
+  std::string worst;
+  double drop = 0;  ///< of chi^2 without it, to first order
+};
+
+Ends ends_of(const Problem& problem, const FitOptions& options) {
+  const Problem moved = by_displacements(problem);
+  Estimation fit(moved, options);
+  fit.find_minimum();
+  const auto [worst, drop] = fit.worst();
+  return {fit.chi2(), static_cast<double>(fit.degrees_of_freedom()), moved.summary_runs[worst].name, drop};
+}
+
+/// Tracks that contradict the others by what they moved, though friction may differ from run to run, one by
+/// one; each time the minimum is looked for anew, as one bad run may drag it far.
+void leave_out_bad_runs(Quoted& under, std::vector<ExplainedProblem>& list, const auto& with_scatter,
+                        const FitOptions& options) {
+  const Problem moved = by_displacements(under.problem);
+  const double runs = static_cast<double>(moved.summary_runs.size());
+  const auto unlikely = [&](double drop, double rest, double dof) {
+    return runs * chance_of_run(drop, std::max(0.0, rest), dof);
+  };
+  Ends all = ends_of(with_scatter(kUsual), options);
+  while (static_cast<double>(list.size() + 1) <= runs / 4 &&
+         unlikely(all.drop, all.chi2 - all.drop, all.dof - 2) < 10 * kOutlier) {
+    Problem before = under.problem;
+    const auto is_worst = [&](const auto& run) { return run.name == all.worst; };
+    if (std::erase_if(under.problem.trajectory_runs, is_worst) == 0) return;
+    SummaryRun left_out = *std::ranges::find_if(moved.summary_runs, is_worst);
+    left_out.held_out = true;
+    under.problem.summary_runs.push_back(std::move(left_out));
+    Ends others = ends_of(with_scatter(kUsual), options);
+    if (!(unlikely(all.chi2 - others.chi2, others.chi2, others.dof) < kOutlier)) {
+      under.problem = std::move(before);
+      return;
+    }
+    under.under.push_back(text_of_bad_run(all.worst));
+    Explanation bad_run;
+    bad_run.name = "bad_run", bad_run.run = all.worst, bad_run.dof = 2;
+    bad_run.size = std::sqrt(all.chi2 - others.chi2), bad_run.size_sd = 1, bad_run.unit = "sd";
+    list.push_back({std::move(bad_run), {}, {}});
+    all = std::move(others);
+  }
+}
+
+}  // namespace
+
 Explained explain_tracks(const Problem& problem, const Estimation& fit, const FitOptions& options) {
   if (!problem.has_driven_tracks() || !fit.rejected()) return {};
   Explained result;
@@ -193,29 +246,14 @@ Explained explain_tracks(const Problem& problem, const Estimation& fit, const Fi
     return with_run_scatter(under.problem, relative, false, fit.roughly(FitParameter::mu1),
                             fit.roughly(FitParameter::mu2));
   };
-  // Runs that contradict the others by what they moved, though friction may differ a little: where it differs
-  // much, the rest does not hold either, and no run is named.
-  constexpr double kLittle = 0.02;
-  std::vector<TrajectoryRun>& tracks = under.problem.trajectory_runs;
-  for (;;) {
-    const Problem ends = by_displacements(with_scatter(kLittle));
-    Estimation by_ends(ends, options);
-    by_ends.find_minimum();
-    by_ends.test_residuals();
-    if (by_ends.outliers().empty()) break;
-    const std::string& worst = by_ends.outliers().front().run;
-    if (std::erase_if(tracks, [&](const auto& track) { return track.name == worst; }) == 0) break;
-    SummaryRun left_out = *std::ranges::find(ends.summary_runs, worst, &SummaryRun::name);
-    left_out.held_out = true;
-    under.problem.summary_runs.push_back(std::move(left_out));
-    under.under.push_back(text_of_bad_run(worst));
-  }
+  leave_out_bad_runs(under, result.list, with_scatter, options);
   std::optional<Estimation> others;
   if (!under.under.empty()) {
     others.emplace(under.problem, options);
     others->find_minimum();
     others->test_residuals();
     under.problem.start = others->estimates_alone();
+    for (ExplainedProblem& bad_run : result.list) bad_run.found = others->explained(bad_run.found, fit);
     if (others->by_tracking()) result.quoted = under;
     if (!others->rejected()) return result;
   }
@@ -232,7 +270,8 @@ Explained explain_tracks(const Problem& problem, const Estimation& fit, const Fi
         alike.log_likelihood(alike.values()) + kPreferred / 2))
     return result;
   under.problem.start = apart.estimates_alone();
-  Explanation scatter = apart.scatter_explained(fit);
+  Explanation scatter = apart.explained(
+      scatter_of(100 * apart.scatter_of_friction(), under.problem.trajectory_runs.size()), fit);
   under.under.push_back(sentence_of(scatter));
   result.list.push_back({std::move(scatter), {}, {}});
   result.quoted = std::move(under);
