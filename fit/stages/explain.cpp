@@ -210,6 +210,7 @@ void leave_out_bad_runs(Quoted& under, std::vector<ExplainedProblem>& list, cons
                         const FitOptions& options) {
   const Problem moved = by_displacements(under.problem);
   const double runs = static_cast<double>(moved.summary_runs.size());
+  if (runs == 0) return;
   const auto unlikely = [&](double drop, double rest, double dof) {
     return runs * chance_of_run(drop, std::max(0.0, rest), dof);
   };
@@ -247,9 +248,10 @@ Explained explain_tracks(const Problem& problem, const Estimation& fit, const Fi
                             fit.roughly(FitParameter::mu2));
   };
   leave_out_bad_runs(under, result.list, with_scatter, options);
+  const Problem left = under.problem;
   std::optional<Estimation> others;
   if (!under.under.empty()) {
-    others.emplace(under.problem, options);
+    others.emplace(left, options);
     others->find_minimum();
     others->test_residuals();
     under.problem.start = others->estimates_alone();
