@@ -267,14 +267,11 @@ class Integration {
   /// When friction no longer holds, found to rounding; the station at the latest.
   double release(int lane, double station) {
     const auto holds = [&](double t) { return f_.holds(lane, t, size_of(f_.drive(t))); };
-    if (!holds(t_)) return t_;
-    if (sizes_.empty())
-      for (int i = 0; i < kScans; ++i) sizes_.push_back(size_of(f_.drive(i * turn_ / kScans)));
     double low = t_;
-    for (int i = static_cast<int>(t_ / turn_ * kScans) + 1; low < station; ++i) {
-      const double high = std::min(i * turn_ / kScans, station);
-      if (!(high > low)) continue;
-      if (high < station ? f_.holds(lane, high, sizes_[static_cast<std::size_t>(i % kScans)]) : holds(high)) {
+    if (!holds(low)) return low;
+    while (low < station) {
+      const double high = std::min(low + turn_ / kScans, station);
+      if (holds(high)) {
         low = high;
         continue;
       }
@@ -332,7 +329,6 @@ class Integration {
   RivalStepInput in_;
   RivalMotion before_;
   std::array<double, kRivalLanes> released_{};  ///< s, of lanes at rest: when they will start
-  std::vector<double> sizes_;                   ///< of the drive, over a turn
   double t_ = 0, h_ = 0, first_step_ = 0, turn_ = 0, stop_speed_ = 0;
   Places way_ = Places::Zero();  ///< m, of a turn that repeats
   long steps_ = 0;
