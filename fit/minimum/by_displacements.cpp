@@ -1,7 +1,6 @@
 // Driven tracks are searched by what they moved over whole cycles: as many valleys, at a fraction of the
 // cost.
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -15,7 +14,6 @@ namespace tribotrack::fit::internal {
 namespace {
 
 constexpr double kRough = 0.02;  ///< of a displacement
-constexpr std::array kHomeInTracks{0.03, 0.01, 0.003, 0.001, 3e-4};
 
 /// As many points of each track as tell where the valleys are.
 Problem thinned(Problem problem) {
@@ -99,23 +97,13 @@ DisplacementSearch search_by_displacements(const Residuals& residuals, const Fit
     return std::ranges::none_of(search.minima,
                                 [&](const Minimum& m) { return few.p_value(m.chi2) >= kSurprise; });
   };
-  const auto descend = [&](const Eigen::VectorXd& z, int steps) {
-    Residuals there = few;
-    if (!there.linearise(unknowns.values(z))) return;
-    Minimum end = minimise_linearised(there, z, {.decrement = 1e-3, .full_steps = steps});
-    if (!end.at.empty()) search.minima.push_back(std::move(end));
-  };
-  constexpr int kAFew = 12;
   Stage stage(options, "tracks", places.size());
   for (std::size_t i = 0; i < places.size() && rejected(); ++i) {
-    descend(places[i], kAFew);
-    stage.done();
     Residuals there = few;
-    if (!rejected() || !there.linearise(unknowns.values(places[i])) || !there.linear_in_conditions())
-      continue;
-    // As if the model were good to a share of a displacement, then to less and less.
-    const Minimum homed = homed_in(there, places[i], kHomeInTracks);
-    if (!homed.at.empty()) descend(homed.z, MinimiseOptions{}.full_steps);
+    if (there.linearise(unknowns.values(places[i])))
+      if (Minimum end = minimise_linearised(there, places[i], {.decrement = 1e-3}); !end.at.empty())
+        search.minima.push_back(std::move(end));
+    stage.done();
   }
   std::ranges::stable_sort(search.minima, [&](const Minimum& a, const Minimum& b) {
     const bool first = admissible(unknowns, a.z), second = admissible(unknowns, b.z);
