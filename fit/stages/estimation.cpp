@@ -334,8 +334,8 @@ double Estimation::log_likelihood(const Eigen::VectorXd& values) const {
   return estimate_correlated_errors(rows, values).log_likelihood;
 }
 
-Explanation Estimation::explained(Explanation found, const Estimation& other) const {
-  found.chi2_fall = other.chi2() - chi2();
+Explanation Estimation::as_explanation(Explanation found, const Estimation& of) const {
+  found.chi2_fall = of.chi2() - chi2();
   found.p_after = p_value_;
   found.parameters = assumed().as_assumed;
   found.refitted = true;

@@ -49,7 +49,7 @@ class Estimation {
   bool by_tracking() const { return minimum_.chi2 < kMostOfTracking * result_.dof; }
   double chi2() const { return minimum_.chi2; }
   int degrees_of_freedom() const { return result_.dof; }
-  /// Of displacements, without which chi^2 falls most to first order, and by how much.
+  /// The summary run without which chi^2 falls most, to first order, and by how much.
   std::pair<std::size_t, double> worst() const;
   const Unknowns& unknowns() const { return unknowns_; }
   Eigen::VectorXd values() const { return unknowns_.values(minimum_.z); }
@@ -68,11 +68,11 @@ class Estimation {
   /// Friction that differs from run to run, by the residuals of displacements at these values. It explains
   /// them unless they go with the setting, as under a law.
   std::optional<std::pair<Explanation, RunScatter>> scatter_at(const Eigen::VectorXd& values) const;
-  /// The restricted likelihood's logarithm of tracks near these values, errors that neighbouring points share
-  /// being as large as is likeliest.
+  /// Logarithm of the restricted likelihood of tracks near these values, errors that neighbouring points
+  /// share being as large as is likeliest (CorrelatedEstimate).
   double log_likelihood(const Eigen::VectorXd& values) const;
-  /// What this fit counts, as an explanation of another one to the same runs.
-  Explanation explained(Explanation found, const Estimation& other) const;
+  /// `found`, which this fit counts, with what it makes of the residuals of another fit to the same runs.
+  Explanation as_explanation(Explanation found, const Estimation& of) const;
   /// Where the residuals exceed their sigma: scatter, correlated errors, robust weights.
   void explain_excess_variance();
   void quantify_uncertainty();

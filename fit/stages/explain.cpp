@@ -255,7 +255,7 @@ Explained explain_tracks(const Problem& problem, const Estimation& fit, const Fi
     others->find_minimum();
     others->test_residuals();
     under.problem.start = others->estimates_alone();
-    for (ExplainedProblem& bad_run : result.list) bad_run.found = others->explained(bad_run.found, fit);
+    for (ExplainedProblem& bad_run : result.list) bad_run.found = others->as_explanation(bad_run.found, fit);
     if (others->by_tracking()) result.quoted = under;
     if (!others->rejected()) return result;
   }
@@ -272,7 +272,7 @@ Explained explain_tracks(const Problem& problem, const Estimation& fit, const Fi
         alike.log_likelihood(alike.values()) + kPreferred / 2))
     return result;
   under.problem.start = apart.estimates_alone();
-  Explanation scatter = apart.explained(
+  Explanation scatter = apart.as_explanation(
       scatter_of(100 * apart.scatter_of_friction(), under.problem.trajectory_runs.size()), fit);
   under.under.push_back(sentence_of(scatter));
   result.list.push_back({std::move(scatter), {}, {}});

@@ -26,9 +26,10 @@ struct Explained {
 Explained explain(const Problem& problem, Estimation& fit, const FitOptions& options);
 
 /// Of driven tracks that reject the model: runs that contradict the others, or friction that differs from run
-/// to run. Both take the minimum with them. Bad runs are looked for among displacements whose friction may
-/// differ by 5 %; by how much it does, each run's own mu1 and mu2 tell. Empty where the points reject the
-/// model still.
+/// to run. Both take the minimum with them. Runs are judged by what they moved, friction being free to differ
+/// by 5 %, one by one: F of chi^2 of the best fits with a run and without it. By how much friction differs,
+/// each run's own mu1 and mu2 tell; it must be likelier than errors that neighbouring points share. Nothing
+/// is quoted where what is left exceeds errors of tracking.
 Explained explain_tracks(const Problem& problem, const Estimation& fit, const FitOptions& options);
 
 }  // namespace tribotrack::fit::internal

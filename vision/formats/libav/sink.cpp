@@ -138,7 +138,7 @@ class LibavSink : public FrameSink {
       encoder_->global_quality = 2 * FF_QP2LAMBDA;
     } else if (options_.codec == Codec::h264) {
       av_opt_set(encoder_->priv_data, "preset", "veryfast", 0);
-      // With it about one of 500 recordings of the same frames has other bytes.
+      // Weighted prediction gives other bytes for the same frames now and then.
       av_opt_set_int(encoder_->priv_data, "weightp", 0, 0);
       av_opt_set(encoder_->priv_data, "crf", std::to_string(options_.crf).c_str(), 0);
       encoder_->max_b_frames = 0;  // frames are stored in the order shown
