@@ -228,7 +228,7 @@ void leave_out_bad_runs(Quoted& under, std::vector<ExplainedProblem>& list, cons
       under.problem = std::move(before);
       return;
     }
-    under.under.push_back(text_of_bad_run(all.worst));
+    under.under.push_back(text_of_bad_run(all.worst) + "; check its phi, dtau and label");
     Explanation bad_run;
     bad_run.name = "bad_run", bad_run.run = all.worst, bad_run.dof = 2;
     bad_run.size = std::sqrt(all.chi2 - others.chi2), bad_run.size_sd = 1, bad_run.unit = "sd";

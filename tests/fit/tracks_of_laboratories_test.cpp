@@ -106,6 +106,7 @@ TEST(TracksOfLaboratories, ABadRunIsLeftOutByName) {
   const FitResult result = fitted({.bad_run = 2});
   ASSERT_EQ(result.quoted_under.size(), 1U) << result.full_report();
   EXPECT_NE(result.quoted_under[0].find("'run2'"), std::string::npos) << result.quoted_under[0];
+  EXPECT_EQ(result.explanations.front().name, "bad_run");
   EXPECT_LT(result.p_value, 1e-3);
   expect_truth(result);
 }
