@@ -165,11 +165,12 @@ double estimate_sds(const CsvTable& table, const PointSamples& part, PointSample
       step = std::min(step, at.step);
     }
   const auto estimate = fit::point_noise(seen, positions);
+  const std::string of_mark = &samples == &part ? "" : samples.name + "_";
   if (!estimate)
     throw InvalidInput(
         "{}: has no standard deviations, and with {} points that follow each other too few to estimate them; "
-        "add the columns x_sd_mm and y_sd_mm",
-        table.path().string(), positions.size());
+        "add the columns {}x_sd_mm and {}y_sd_mm",
+        table.path().string(), positions.size(), of_mark, of_mark);
   // Rounding is the least error there is.
   const Eigen::Vector2d sd = estimate->sd.cwiseMax(kUniform * step);
   for (PointSample& at : samples.at) {

@@ -286,6 +286,9 @@ TEST_F(ForeignTracks, WhatIsMissingIsAskedFor) {
   EXPECT_THAT(complaint("t_s,x_mm,y_mm\n0,1,2\n1,q,2\n"), HasSubstr("x.csv:3:3: `q` is not a number"));
   EXPECT_THAT(complaint("t_s,x_mm,y_mm\n0,1,2\n0,1,2\n"), HasSubstr("x.csv:3: its time does not come after"));
   EXPECT_THAT(complaint("t_s,x_mm,y_mm\n0,1,2\n1,1,2\n"), HasSubstr("too few to estimate them"));
+  EXPECT_THAT(
+      complaint("t_s,x_mm,y_mm,x_sd_mm,y_sd_mm,marker_x_mm,marker_y_mm\n0,1,2,1,1,3,4\n1,1,2,1,1,3,4\n"),
+      HasSubstr("add the columns marker_x_sd_mm and marker_y_sd_mm"));
   EXPECT_THAT(complaint("t_s,x_mm,y_mm\n0,1,2\n"), HasSubstr("fewer than two rows"));
   EXPECT_THAT(complaint("t_s,x_mm,y_mm,x_sd_mm,y_sd_mm\n0,1,2,0,1\n"), HasSubstr("must be greater than 0"));
   EXPECT_THAT(complaint("frame,x_mm,y_mm\n0,1,2\n1.5,1,2\n"), HasSubstr("`1.5` is no frame's number"));
