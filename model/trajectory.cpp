@@ -25,17 +25,25 @@ const IntegrationSummary& Trajectory::summary() const {
   return implementation_->summary;
 }
 Sample Trajectory::at(double time) const {
-  return implementation_->at(time);
+  return implementation_->at(time, true).sample;
 }
 SensitiveSample Trajectory::sensitive_at(double time) const {
-  return implementation_->sensitive_at(time);
+  return implementation_->at(time, true);
+}
+SensitiveSample Trajectory::sensitive_end() const {
+  return implementation_->at(end_time(), scenario().duration > 0);
 }
 void Trajectory::positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
                               Eigen::MatrixXd* jacobian) const {
-  implementation_->positions_at(times, exposure, positions, jacobian);
-}
-SensitiveSample Trajectory::sensitive_end() const {
-  return implementation_->sensitive_end();
+  const auto count = static_cast<Eigen::Index>(times.size());
+  positions.resize(2, count);
+  if (jacobian)
+    jacobian->resize(2 * count, static_cast<Eigen::Index>(implementation_->options.derivatives.size()));
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const SensitiveSample there = implementation_->at(times[static_cast<std::size_t>(k)], true);
+    positions.col(k) = there.sample.position + exposure * exposure / 24 * there.sample.acceleration;
+    if (jacobian) jacobian->middleRows<2>(2 * k) = there.position_jacobian;
+  }
 }
 
 namespace {

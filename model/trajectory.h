@@ -23,23 +23,27 @@ namespace tribotrack::model {
 
 enum class State { slip, stick };
 
-/// The motion of the part relative to the platform at one time. m, m/s.
+/// The motion of the part relative to the platform at one time. m, m/s, m/s^2.
 struct Sample {
   double time = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();
+  Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();
   double angle = 0;  ///< rad turned since the start; 0 for a run without spin
   double spin = 0;   ///< rad/s
   double mu = 0;
   State state = State::slip;
 };
 
+/// Derivatives side by side, at most 16 of them.
+using Columns = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 16>;
+
 /// A sample with its derivatives: column j is d/d(parameters[j]), SI. Where a pulse's edge lies on a start
 /// from rest, which is a kink, they are those of a later edge.
 struct SensitiveSample {
   Sample sample;
-  Eigen::Matrix2Xd position_jacobian;
-  Eigen::Matrix2Xd velocity_jacobian;
+  Columns position_jacobian;
+  Columns velocity_jacobian;
   Eigen::RowVectorXd angle_jacobian;  ///< empty for a run without spin
 };
 

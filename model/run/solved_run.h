@@ -13,11 +13,8 @@ namespace tribotrack::model {
 struct Trajectory::Implementation {
   Implementation(const Scenario& s, const IntegrationOptions& o) : scenario(s), options(o) {}
   virtual ~Implementation() = default;
-  virtual Sample at(double time) const = 0;
-  virtual SensitiveSample sensitive_at(double time) const = 0;
-  virtual SensitiveSample sensitive_end() const = 0;
-  virtual void positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
-                            Eigen::MatrixXd* jacobian) const = 0;
+  /// At a fixed time, or at the fixed phase that it is.
+  virtual SensitiveSample at(double time, bool fixed_time) const = 0;
 
   Scenario scenario;
   IntegrationOptions options;
@@ -30,25 +27,14 @@ template <class T>
 class Run final : public Trajectory::Implementation {
  public:
   Run(const Scenario& s, const IntegrationOptions& o);
-  Sample at(double time) const override;
-  SensitiveSample sensitive_at(double time) const override { return sensitive(time, true); }
-  SensitiveSample sensitive_end() const override {
-    return sensitive(scenario.end_time(), scenario.duration > 0);
-  }
-  void positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
-                    Eigen::MatrixXd* jacobian) const override;
+  SensitiveSample at(double time, bool fixed_time) const override;
 
  private:
   SolverInput<T> prepare() const;
   void start_on_orbit(SolverInput<T>& in, bool with_pulses) const;
   Phase phase_at(double time) const;
-  SensitiveSample sensitive(double time, bool fixed_time) const;
   bool is_end(const Phase& phase) const { return phase.cycles == input_.cycles && phase.rest == input_.rest; }
   Motion<T> motion_at(const Phase& phase) const;
-  Sample sample(double time, const Phase& phase, const Motion<T>& m) const;
-  Contact contact_at(const Phase& phase) const {
-    return is_end(phase) ? solver_.end_contact() : solver_.contact(phase.cycles, phase.rest);
-  }
 
   T w_;
   SolverInput<T> input_;
@@ -139,31 +125,27 @@ Motion<T> Run<T>::motion_at(const Phase& phase) const {
 }
 
 template <class T>
-Sample Run<T>::at(double time) const {
-  const Phase phase = phase_at(time);
-  return sample(time, phase, motion_at(phase));
-}
-
-template <class T>
-Sample Run<T>::sample(double time, const Phase& phase, const Motion<T>& m) const {
-  const double v = input_.problem.velocity_unit, x = v / scenario.drive.angular_frequency;
-  Sample sample;
-  sample.time = time;
-  sample.position = {x * value(m.position.x), x * value(m.position.y)};
-  sample.velocity = {v * value(m.velocity.x), v * value(m.velocity.y)};
-  if (input_.cycles == 0 && input_.rest == 0) return sample;
-  const Contact contact = contact_at(phase);
-  sample.mu = contact.reduced ? scenario.friction.reduced : scenario.friction.nominal;
-  sample.state = contact.sticks ? State::stick : State::slip;
-  return sample;
-}
-
-template <class T>
-SensitiveSample Run<T>::sensitive(double time, bool fixed_time) const {
-  SensitiveSample result;
+SensitiveSample Run<T>::at(double time, bool fixed_time) const {
   const Phase phase = phase_at(time);
   const Motion<T> m = motion_at(phase);
-  result.sample = sample(time, phase, m);
+  const Contact contact = is_end(phase) ? solver_.end_contact() : solver_.contact(phase.cycles, phase.rest);
+  const double unit = input_.problem.velocity_unit;
+  Pair<T> acceleration{};
+  if (!contact.sticks)
+    acceleration = force(solver_.drive(), solver_.kappa(contact.reduced), phase.rest, m.velocity);
+
+  SensitiveSample result;
+  Sample& sample = result.sample;
+  const double w = scenario.drive.angular_frequency;
+  sample.time = time;
+  sample.position = unit / w * Eigen::Vector2d(value(m.position.x), value(m.position.y));
+  sample.velocity = unit * Eigen::Vector2d(value(m.velocity.x), value(m.velocity.y));
+  sample.acceleration = unit * w * Eigen::Vector2d(value(acceleration.x), value(acceleration.y));
+  if (input_.cycles > 0 || input_.rest > 0) {
+    sample.mu = contact.reduced ? scenario.friction.reduced : scenario.friction.nominal;
+    sample.state = contact.sticks ? State::stick : State::slip;
+  }
+
   const auto columns = static_cast<Eigen::Index>(options.derivatives.size());
   result.position_jacobian.setZero(2, columns);
   result.velocity_jacobian.setZero(2, columns);
@@ -171,11 +153,6 @@ SensitiveSample Run<T>::sensitive(double time, bool fixed_time) const {
     // From fixed phase s to fixed time: s = start phase + w t depends on the parameters.
     T moved = input_.start_shift;
     if (fixed_time) moved += change(w_) * time;
-    Pair<T> acceleration{};
-    if (result.sample.state == State::slip) {
-      acceleration = force(solver_.drive(), solver_.kappa(contact_at(phase).reduced), phase.rest, m.velocity);
-    }
-    const double unit = input_.problem.velocity_unit;
     const Pair<T> x = T(unit / w_) * (m.position + moved * m.velocity);
     const Pair<T> u = T(unit) * (m.velocity + moved * acceleration);
     for (int j = 0; j < columns; ++j) {
@@ -184,40 +161,6 @@ SensitiveSample Run<T>::sensitive(double time, bool fixed_time) const {
     }
   }
   return result;
-}
-
-template <class T>
-void Run<T>::positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
-                          Eigen::MatrixXd* jacobian) const {
-  const auto count = static_cast<Eigen::Index>(times.size());
-  const auto columns = static_cast<Eigen::Index>(options.derivatives.size());
-  positions.resize(2, count);
-  if (jacobian) jacobian->resize(2 * count, columns);
-  const double w = scenario.drive.angular_frequency, unit = input_.problem.velocity_unit;
-  const T metres = T(unit / w_), w_change = change(w_);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const double time = times[static_cast<std::size_t>(k)];
-    const Phase phase = phase_at(time);
-    const Motion<T> m = motion_at(phase);
-    positions.col(k) << unit / w * value(m.position.x), unit / w * value(m.position.y);
-    if constexpr (derivative_count < T >> 0) {
-      if (jacobian) {
-        const T moved = input_.start_shift + w_change * time;
-        const Pair<T> x = metres * (m.position + moved * m.velocity);
-        for (int j = 0; j < columns; ++j) {
-          (*jacobian)(2 * k, j) = x.x.d[j];
-          (*jacobian)(2 * k + 1, j) = x.y.d[j];
-        }
-      }
-    }
-    if (!(exposure > 0)) continue;
-    const Contact contact = contact_at(phase);
-    if (contact.sticks) continue;
-    const Pair<double> a =
-        force(values(solver_.drive()), value(solver_.kappa(contact.reduced)), phase.rest, values(m.velocity));
-    const double share = unit * w * exposure * exposure / 24;
-    positions.col(k) += share * Eigen::Vector2d(a.x, a.y);
-  }
 }
 
 }  // namespace internal

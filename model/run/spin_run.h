@@ -25,11 +25,19 @@ class SpinRun final : public Trajectory::Implementation {
     summary.sticking_fraction = s.end_time() > 0 ? summary.stick_time / s.end_time() : 0;
   }
 
-  Sample at(double time) const override { return sample(time, slide_.at(time)); }
-  SensitiveSample sensitive_at(double time) const override {
+  SensitiveSample at(double time, bool) const override {
     const State state = slide_.at(time);
+    const Pair<T> acceleration = slide_.acceleration(state);
     SensitiveSample result;
-    result.sample = sample(time, state);
+    Sample& sample = result.sample;
+    sample.time = time;
+    sample.position = {value(state.of[State::x]), value(state.of[State::y])};
+    sample.velocity = {value(state.of[State::ux]), value(state.of[State::uy])};
+    sample.acceleration = {value(acceleration.x), value(acceleration.y)};
+    sample.angle = value(state.of[State::rim]) * per_radius();
+    sample.spin = value(state.of[State::w]) * per_radius();
+    sample.mu = scenario.friction.nominal;
+    sample.state = state.speed() > 0 ? model::State::slip : model::State::stick;
     const auto columns = static_cast<Eigen::Index>(options.derivatives.size());
     result.position_jacobian.setZero(2, columns);
     result.velocity_jacobian.setZero(2, columns);
@@ -42,25 +50,6 @@ class SpinRun final : public Trajectory::Implementation {
         result.angle_jacobian(j) = state.of[State::rim].d[d] * per_radius();
       }
     return result;
-  }
-  SensitiveSample sensitive_end() const override { return sensitive_at(scenario.end_time()); }
-  void positions_at(const std::vector<double>& times, double exposure, Eigen::Matrix2Xd& positions,
-                    Eigen::MatrixXd* jacobian) const override {
-    const auto columns = static_cast<Eigen::Index>(options.derivatives.size());
-    positions.resize(2, static_cast<Eigen::Index>(times.size()));
-    if (jacobian) jacobian->setZero(2 * positions.cols(), columns);
-    for (Eigen::Index k = 0; k < positions.cols(); ++k) {
-      const State state = slide_.at(times[static_cast<std::size_t>(k)]);
-      const Pair<T> curved = slide_.acceleration(state);
-      const double share = exposure * exposure / 24;
-      positions.col(k) << value(state.of[State::x]) + share * value(curved.x),
-          value(state.of[State::y]) + share * value(curved.y);
-      if constexpr (derivative_count < T >> 0)
-        for (Eigen::Index j = 0; jacobian && j < columns; ++j) {
-          (*jacobian)(2 * k, j) = state.of[State::x].d[static_cast<std::size_t>(j)];
-          (*jacobian)(2 * k + 1, j) = state.of[State::y].d[static_cast<std::size_t>(j)];
-        }
-    }
   }
 
  private:
@@ -83,18 +72,6 @@ class SpinRun final : public Trajectory::Implementation {
     state.of[State::w] = seed(Parameter::spin) * scenario.spin.radius;
     return state;
   }
-  Sample sample(double time, const State& state) const {
-    Sample sample;
-    sample.time = time;
-    sample.position = {value(state.of[State::x]), value(state.of[State::y])};
-    sample.velocity = {value(state.of[State::ux]), value(state.of[State::uy])};
-    sample.angle = value(state.of[State::rim]) * per_radius();
-    sample.spin = value(state.of[State::w]) * per_radius();
-    sample.mu = scenario.friction.nominal;
-    sample.state = state.speed() > 0 ? model::State::slip : model::State::stick;
-    return sample;
-  }
-
   SpinningSlide<T> slide_;
 };
 
