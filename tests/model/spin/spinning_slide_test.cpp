@@ -1,5 +1,4 @@
 // Free slides that spin, against brute force and against the laws they must keep.
-#include "model/spin/spinning_slide.h"
 
 #include <gtest/gtest.h>
 
