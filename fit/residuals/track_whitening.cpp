@@ -57,7 +57,7 @@ Eigen::MatrixXd error_columns(const ErrorShapes& shapes) {
 
 Eigen::MatrixXd whitened_columns(Eigen::MatrixXd columns, const PointWhitening& points,
                                  const Eigen::MatrixX2d& start) {
-  points.apply(Eigen::Ref<Eigen::MatrixXd>(columns));
+  points.apply(columns);
   columns -= start * (start.transpose() * columns).eval();
   return columns;
 }
@@ -142,17 +142,19 @@ PointWhitening::PointWhitening(const std::vector<double>& times, const std::vect
   }
 }
 
-void PointWhitening::apply(Eigen::Ref<Eigen::VectorXd> column) const {
-  std::vector<Eigen::Vector2d> state(slow_, Eigen::Vector2d::Zero());
-  const Gain* gain = gains_.data();
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    auto here = column.segment<2>(2 * static_cast<Eigen::Index>(i));
-    Eigen::Vector2d innovation = here;
-    for (const Eigen::Vector2d& x : state) innovation -= points_[i].share * x;
-    here = points_[i].white * innovation;
-    for (Eigen::Vector2d& x : state) {
-      x = gain->decay * x + gain->gain * innovation;
-      ++gain;
+void PointWhitening::apply(Eigen::Ref<Eigen::MatrixXd> columns) const {
+  for (auto column : columns.colwise()) {
+    std::vector<Eigen::Vector2d> state(slow_, Eigen::Vector2d::Zero());
+    const Gain* gain = gains_.data();
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      auto here = column.segment<2>(2 * static_cast<Eigen::Index>(i));
+      Eigen::Vector2d innovation = here;
+      for (const Eigen::Vector2d& x : state) innovation -= points_[i].share * x;
+      here = points_[i].white * innovation;
+      for (Eigen::Vector2d& x : state) {
+        x = gain->decay * x + gain->gain * innovation;
+        ++gain;
+      }
     }
   }
 }
@@ -171,13 +173,9 @@ void PointWhitening::take_own(Eigen::Ref<Eigen::VectorXd> column) const {
   }
 }
 
-void PointWhitening::apply(Eigen::Ref<Eigen::MatrixXd> columns) const {
-  for (Eigen::Index j = 0; j < columns.cols(); ++j) apply(Eigen::Ref<Eigen::VectorXd>(columns.col(j)));
-}
-
 Eigen::MatrixX2d PointWhitening::shift() const {
   Eigen::MatrixX2d columns = Eigen::Matrix2d::Identity().replicate(rows() / 2, 1);
-  for (Eigen::Index j = 0; j < 2; ++j) apply(Eigen::Ref<Eigen::VectorXd>(columns.col(j)));
+  apply(columns);
   return columns;
 }
 
@@ -239,7 +237,7 @@ PointResiduals TrackWhitening::explained(const Eigen::Matrix2Xd& positions) cons
   const Eigen::Matrix2d normal = white_.transpose() * white_;
   const Eigen::VectorXd difference = this->difference(positions);
   Eigen::VectorXd white = difference;
-  noise_.apply(Eigen::Ref<Eigen::VectorXd>(white));
+  noise_.apply(white);
   PointResiduals result;
   result.start_point = solve_symmetric2(normal, white_.transpose() * white);
   white -= white_ * result.start_point;
@@ -247,7 +245,7 @@ PointResiduals TrackWhitening::explained(const Eigen::Matrix2Xd& positions) cons
     Eigen::VectorXd alone = white;
     correlated_.apply(alone);
     Eigen::VectorXd errors = shaped_ * correlated_.coefficients(alone);
-    noise_.apply(Eigen::Ref<Eigen::VectorXd>(errors));
+    noise_.apply(errors);
     const Eigen::Vector2d taken = solve_symmetric2(normal, white_.transpose() * errors);
     white -= errors - white_ * taken;
   }

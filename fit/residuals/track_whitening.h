@@ -32,14 +32,12 @@ class PointWhitening {
                  double factor = 1);
 
   Eigen::Index rows() const { return 2 * static_cast<Eigen::Index>(points_.size()); }
-  /// L^-1 column, in place.
-  void apply(Eigen::Ref<Eigen::VectorXd> column) const;
+  /// L^-1 columns, in place.
+  void apply(Eigen::Ref<Eigen::MatrixXd> columns) const;
   /// Of a sum g' L^-1 y of whitened rows, g = `column`, in place: what it is of the points' own noise, in
   /// units of its sd, so that the squares of g add up to the sum's variance and those that are left to what
   /// of it is the points' own.
   void take_own(Eigen::Ref<Eigen::VectorXd> column) const;
-  /// L^-1 for all columns of a matrix.
-  void apply(Eigen::Ref<Eigen::MatrixXd> columns) const;
   /// Columns of a shift of all points along x and along y.
   Eigen::MatrixX2d shift() const;
 

@@ -70,7 +70,7 @@ TEST(PointWhitening, IsCholeskysOfTheDenseCovariance) {
     for (double& value : column) value = normal(random);
     const Eigen::VectorXd expected = factor.matrixL().solve(column);
     Eigen::VectorXd found = column;
-    whitening.apply(Eigen::Ref<Eigen::VectorXd>(found));
+    whitening.apply(found);
     EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-12 * expected.cwiseAbs().maxCoeff());
   }
 }
