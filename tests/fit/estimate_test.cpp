@@ -50,6 +50,29 @@ TEST(Estimate, RecoversTheTruthFromExactDataWithoutAnyGuess) {
   }
 }
 
+/// lag + w delay moves the pulses: two w tell both.
+Problem lag_and_delay(const std::vector<double>& frequencies, double lag, double delay) {
+  Problem problem;
+  problem.free = {FitParameter::lag, FitParameter::delay};
+  problem.fixed = {{FitParameter::mu1, 0.1}, {FitParameter::mu2, 0.0125}};
+  for (const double w : frequencies)
+    for (const double phi : {0.0, 2.0}) {
+      model::Scenario s = test::scenario({0.1, 0.0125, lag + w * delay}, phi, pi / 3);
+      s.drive.angular_frequency = w;
+      s.drive.amplitude = s.drive.amplitude_y = 0.28e-3 * std::pow(62.8 / w, 2);
+      problem.summary_runs.push_back(test::summary_run(s, 0.01, 0.05e-3));
+    }
+  return problem;
+}
+
+TEST(Estimate, LagAndDelayAreToldApartByTwoFrequencies) {
+  FitOptions options{.profiles = false};
+  const FitResult both = estimate(lag_and_delay({62.8, 45.0}, 0.15, 2e-3), options);
+  EXPECT_TRUE(both.usable());
+  EXPECT_NEAR(both.value(FitParameter::lag), 0.15, 1e-5);
+  EXPECT_NEAR(both.value(FitParameter::delay), 2e-3, 1e-7);
+}
+
 TEST(Estimate, LagAndDelayAtOneFrequencyAreOneParameter) {
   Problem problem = exact_problem(test::fourteen({}));
   problem.summary_runs.erase(problem.summary_runs.begin() + 1, problem.summary_runs.begin() + 7);
