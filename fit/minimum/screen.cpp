@@ -68,13 +68,6 @@ struct Look {
   Eigen::Matrix2d white;  ///< L^-1
 };
 
-Look look_at(const model::Scenario& scenario, bool amplitude_from_track, const Eigen::Vector2d& measured,
-             const Eigen::Matrix2d& covariance) {
-  const Factor2 factor(covariance +
-                       kAccuracy * kAccuracy * measured.squaredNorm() * Eigen::Matrix2d::Identity());
-  return {scenario, amplitude_from_track, measured, factor.inverse_lower()};
-}
-
 bool alike(const model::Scenario& a, const model::Scenario& b) {
   const auto near = [](double x, double y) { return std::abs(x - y) <= 0.02 * std::abs(y); };
   return std::abs(a.friction.pulse_width - b.friction.pulse_width) < 0.05 &&
@@ -96,18 +89,22 @@ std::vector<std::size_t> representative(const std::vector<const model::Scenario*
 
 std::vector<Look> looks(const Residuals& residuals) {
   const Problem& problem = residuals.unknowns().problem();
-  std::vector<Look> all;
-  for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
-    const SummaryRun& run = problem.summary_runs[i];
-    if (run.held_out) continue;
-    Look look = look_at(run.scenario, run.amplitude_from_track, run.measured.vector, residuals.covariance(i));
-    if (run.measured.duration > 0) look.scenario.duration = run.measured.duration;
-    all.push_back(look);
-  }
+  std::vector<std::size_t> fitted;
   std::vector<const model::Scenario*> scenarios;
-  for (const Look& look : all) scenarios.push_back(&look.scenario);
+  for (std::size_t i = 0; i < problem.summary_runs.size(); ++i) {
+    if (problem.summary_runs[i].held_out) continue;
+    fitted.push_back(i);
+    scenarios.push_back(&problem.summary_runs[i].scenario);
+  }
   std::vector<Look> chosen;
-  for (const std::size_t i : representative(scenarios, kRunsLookedAt)) chosen.push_back(all[i]);
+  for (const std::size_t k : representative(scenarios, kRunsLookedAt)) {
+    const SummaryRun& run = problem.summary_runs[fitted[k]];
+    const Eigen::Vector2d& measured = run.measured.vector;
+    const Factor2 factor(residuals.covariance(fitted[k]) +
+                         kAccuracy * kAccuracy * measured.squaredNorm() * Eigen::Matrix2d::Identity());
+    chosen.push_back({run.scenario, run.amplitude_from_track, measured, factor.inverse_lower()});
+    if (run.measured.duration > 0) chosen.back().scenario.duration = run.measured.duration;
+  }
   return chosen;
 }
 
