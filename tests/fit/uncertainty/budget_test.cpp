@@ -50,6 +50,21 @@ TEST(Budget, AddsUpToTheVariance) {
   EXPECT_FALSE(result.improve_first.empty());
 }
 
+TEST(Budget, ImaginesOnePercentOfWhatWasTakenAsExact) {
+  Problem problem = campaign(false);
+  problem.conditions.clear();
+  const FitResult result = estimate(problem, kQuick);
+  const auto entry =
+      std::ranges::find(result.budget, to_string(FitParameter::amplitude), &BudgetEntry::quantity);
+  ASSERT_NE(entry, result.budget.end());
+  EXPECT_FALSE(entry->counted);
+  const double amplitude = problem.summary_runs.front().scenario.drive.amplitude;
+  EXPECT_NEAR(entry->sd, 0.01 * amplitude, 1e-9 * amplitude);
+  for (Eigen::Index i = 0; i < 3; ++i)
+    EXPECT_NEAR(entry->contribution(i), std::abs(entry->sensitivity(i)) * 0.01 * amplitude,
+                1e-9 * entry->contribution(i));
+}
+
 /// A sensitivity is what a fit with another value of the quantity finds.
 TEST(Budget, SensitivitiesAreThoseOfRefits) {
   const Problem problem = campaign(false);
