@@ -35,7 +35,7 @@ struct Sample {
   State state = State::slip;
 };
 
-/// Derivatives side by side, at most 16 of them.
+/// Derivatives of x and y, a column for each parameter: at most 16, so that no sample allocates memory.
 using Columns = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 16>;
 
 /// A sample with its derivatives: column j is d/d(parameters[j]), SI. Where a pulse's edge lies on a start

@@ -13,7 +13,7 @@ namespace tribotrack::model {
 struct Trajectory::Implementation {
   Implementation(const Scenario& s, const IntegrationOptions& o) : scenario(s), options(o) {}
   virtual ~Implementation() = default;
-  /// At a fixed time, or at the fixed phase that it is.
+  /// With derivatives at a fixed time t, or else at a fixed phase w t of the platform.
   virtual SensitiveSample at(double time, bool fixed_time) const = 0;
 
   Scenario scenario;
