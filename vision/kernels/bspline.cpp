@@ -150,16 +150,9 @@ TRIBOTRACK_KERNEL void quintic_slope_lanes(Number t, Taps& slope) {
   slope = (((c4 * t + c3) * t + c2) * t + c1) * t + c0;
 }
 
-/// Eight numbers of each of some places that are worked on together: what is read one by one is broadcast
-/// from memory, and lanes are added up four places at a time.
-constexpr int kTogether = 16;
-struct PlaceLanes {
-  float lane[kTogether][8] = {};
-};
-
 /// sum_j y_j c_ij of each column i of the six by six coefficients whose first is at `c`; eight of a row are
 /// read.
-TRIBOTRACK_KERNEL void weigh_rows(const float* c, std::ptrdiff_t stride, const float* weight_y,
+TRIBOTRACK_KERNEL void weigh_rows(const float* c, std::ptrdiff_t stride, const TapLanes& weight_y,
                                   TapLanes& columns) {
   columns = TapLanes{};
   for (int j = 0; j < 6; ++j) {
@@ -169,26 +162,9 @@ TRIBOTRACK_KERNEL void weigh_rows(const float* c, std::ptrdiff_t stride, const f
   }
 }
 
-/// The sum of the eight numbers of each of `count` places.
-TRIBOTRACK_KERNEL void sums_of_lanes(const PlaceLanes& v, std::size_t count, float* sums) {
-  using Four = VectorOf<float, 4>::type;
-  const auto pairs = [](const Four& a, const Four& b, Four& sum) __attribute__((always_inline)) {
-    sum = __builtin_shufflevector(a, b, 0, 2, 4, 6) + __builtin_shufflevector(a, b, 1, 3, 5, 7);
-  };
-  for (std::size_t k = 0; k < count; k += 4) {
-    Four half[4];
-    for (std::size_t i = 0; i < 4; ++i) {
-      Four upper;
-      load(v.lane[k + i], half[i]);
-      load(v.lane[k + i] + 4, upper);
-      half[i] += upper;
-    }
-    Four first, second, all;
-    pairs(half[0], half[1], first);
-    pairs(half[2], half[3], second);
-    pairs(first, second, all);
-    std::memcpy(sums + k, &all, std::min<std::size_t>(4, count - k) * sizeof(float));
-  }
+/// Of the eight numbers.
+TRIBOTRACK_KERNEL float sum_of_lanes(const TapLanes& v) {
+  return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
 }
 
 /// Places of a spline that each have a fraction of their own.
@@ -203,38 +179,24 @@ struct Places {
 TRIBOTRACK_CLONES void places_of(const Places& places, float* value, float* slope_x, float* slope_y) {
   const float right = static_cast<float>(places.width) + 3.99F,
               bottom = static_cast<float>(places.height) + 3.99F;
-  const float* corner[kTogether];
-  PlaceLanes weight_x, weight_y, rise_x, rise_y, values, by_x, by_y;
-  for (std::size_t begin = 0; begin < places.count; begin += kTogether) {
-    const std::size_t n = std::min<std::size_t>(kTogether, places.count - begin);
-    for (std::size_t k = 0; k < n; ++k) {
-      const float x = std::min(std::max(places.x[begin + k], -5.0F), right);
-      const float y = std::min(std::max(places.y[begin + k], -5.0F), bottom);
-      const float fx = whole_below(x), fy = whole_below(y);
-      corner[k] = places.origin + (static_cast<std::ptrdiff_t>(fy) - 2) * places.stride +
-                  (static_cast<std::ptrdiff_t>(fx) - 2);
-      TapLanes taps;
-      quintic_lanes(x - fx, taps), store(taps, weight_x.lane[k]);
-      quintic_lanes(y - fy, taps), store(taps, weight_y.lane[k]);
-      if (!slope_x) continue;
-      quintic_slope_lanes(x - fx, taps), store(taps, rise_x.lane[k]);
-      quintic_slope_lanes(y - fy, taps), store(taps, rise_y.lane[k]);
-    }
-    for (std::size_t k = 0; k < n; ++k) {
-      TapLanes columns, across, rise;
-      load(weight_x.lane[k], across);
-      weigh_rows(corner[k], places.stride, weight_y.lane[k], columns);
-      store(TapLanes(columns * across), values.lane[k]);
-      if (!slope_x) continue;
-      load(rise_x.lane[k], rise);
-      store(TapLanes(columns * rise), by_x.lane[k]);
-      weigh_rows(corner[k], places.stride, rise_y.lane[k], columns);
-      store(TapLanes(columns * across), by_y.lane[k]);
-    }
-    sums_of_lanes(values, n, value + begin);
+  for (std::size_t k = 0; k < places.count; ++k) {
+    const float x = std::min(std::max(places.x[k], -5.0F), right);
+    const float y = std::min(std::max(places.y[k], -5.0F), bottom);
+    const float fx = whole_below(x), fy = whole_below(y);
+    const float* corner = places.origin + (static_cast<std::ptrdiff_t>(fy) - 2) * places.stride +
+                          (static_cast<std::ptrdiff_t>(fx) - 2);
+    TapLanes across, down, columns;
+    quintic_lanes(x - fx, across);
+    quintic_lanes(y - fy, down);
+    weigh_rows(corner, places.stride, down, columns);
+    value[k] = sum_of_lanes(columns * across);
     if (!slope_x) continue;
-    sums_of_lanes(by_x, n, slope_x + begin);
-    sums_of_lanes(by_y, n, slope_y + begin);
+    TapLanes rise;
+    quintic_slope_lanes(x - fx, rise);
+    slope_x[k] = sum_of_lanes(columns * rise);
+    quintic_slope_lanes(y - fy, rise);
+    weigh_rows(corner, places.stride, rise, columns);
+    slope_y[k] = sum_of_lanes(columns * across);
   }
 }
 
