@@ -323,17 +323,12 @@ double covariance(const std::array<double, 6>& a, const std::array<double, 6>& b
 
 }  // namespace
 
-InterpolationNoise quintic_noise(double fraction) {
-  const double t = fraction - std::floor(fraction);
-  const auto weights = quintic_weights(t), slopes = quintic_slopes(t);
-  return {covariance(weights, weights, 0), covariance(slopes, slopes, 0)};
-}
-
-InterpolationCovariance quintic_noise_covariance(double f, double g) {
+InterpolationNoise quintic_noise(double f, double g) {
   const int shift = static_cast<int>(std::floor(g) - std::floor(f));
-  const double t = f - std::floor(f);
-  const auto there = quintic_weights(g - std::floor(g));
-  return {covariance(quintic_weights(t), there, shift), covariance(quintic_slopes(t), there, shift)};
+  const double t = f - std::floor(f), u = g - std::floor(g);
+  const auto there = quintic_weights(u), slopes = quintic_slopes(t);
+  return {covariance(quintic_weights(t), there, shift), covariance(slopes, there, shift),
+          covariance(slopes, quintic_slopes(u), shift)};
 }
 
 }  // namespace tribotrack::vision

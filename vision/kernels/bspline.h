@@ -66,19 +66,17 @@ class QuinticSpline {
   std::vector<float> coefficients_;  ///< padded by kPad on every side
 };
 
-/// How white noise of unit variance passes through the interpolation at a fraction of a pixel, along one
-/// axis: variance of the interpolated value and of its slope.
+/// White noise of unit variance interpolated at two fractions f and g of a pixel along one axis: covariance
+/// of the two values, of the slope at f with the value at g, of the two slopes. The second is not zero:
+/// interpolated noise is quieter between pixels than on them, and a registration that does not know this is
+/// drawn there.
 struct InterpolationNoise {
-  double value = 1, slope = 0;
+  double value = 1, slope_value = 0, slope = 0;
 };
-InterpolationNoise quintic_noise(double fraction);
-
-/// The same noise interpolated at two fractions f and g along one axis: covariance of the two values, and of
-/// the slope at f with the value at g. The latter is not zero: interpolated noise is quieter between pixels
-/// than on them, and a registration that does not know this is drawn there.
-struct InterpolationCovariance {
-  double value_value = 1, slope_value = 0;
-};
-InterpolationCovariance quintic_noise_covariance(double f, double g);
+InterpolationNoise quintic_noise(double f, double g);
+/// At one fraction: variances.
+inline InterpolationNoise quintic_noise(double fraction) {
+  return quintic_noise(fraction, fraction);
+}
 
 }  // namespace tribotrack::vision

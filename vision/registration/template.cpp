@@ -161,12 +161,12 @@ Eigen::Vector2d TemplateRegistration::noise_force(const ForceSums& sums, const P
   const double share = std::clamp((shown / options_.noise_variance - 0.6) / 0.2, 0.0, 1.0);
   const double noise =
       share * options_.noise_variance + (1 - share) * std::min(shown, options_.noise_variance);
-  const InterpolationCovariance x = quintic_noise_covariance(-formed.dx, -at.dx);
-  const InterpolationCovariance y = quintic_noise_covariance(-formed.dy, -at.dy);
+  const InterpolationNoise x = quintic_noise(-formed.dx, -at.dx);
+  const InterpolationNoise y = quintic_noise(-formed.dy, -at.dy);
   const double z = 2 * std::numbers::pi * pattern_.reach() * std::abs(at.theta);
   const double mixing = z > 1e-3 ? (z < 30 ? 2 * std::cyl_bessel_j(1.0, z) / z : 0) : 1;
   return mixing * gain * options_.template_noise_share * noise * sums.weight *
-         Eigen::Vector2d(x.slope_value * y.value_value, x.value_value * y.slope_value);
+         Eigen::Vector2d(x.slope_value * y.value, x.value * y.slope_value);
 }
 
 }  // namespace tribotrack::vision
