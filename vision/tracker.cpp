@@ -101,7 +101,7 @@ class Tracking {
     follow_rotation();
     audit_track();
     allow_for_coding();
-    const std::vector<FirstPassFrame> seen = seen_frames(result_.track, start_).frames;
+    const SeenFrames seen = seen_frames(result_.track, start_);
     measure_radius(seen);
     check_roundness(seen);
     prepend_absence();
@@ -121,8 +121,8 @@ class Tracking {
   void follow_rotation();
   void audit_track();
   void allow_for_coding();
-  void measure_radius(const std::vector<FirstPassFrame>& seen);
-  void check_roundness(const std::vector<FirstPassFrame>& seen);
+  void measure_radius(const SeenFrames& seen);
+  void check_roundness(const SeenFrames& seen);
   void prepend_absence();
   FrameSource& frames() {
     if (mended_) return *mended_;
@@ -275,7 +275,7 @@ void Tracking::allow_for_coding() {
 
 /// Of the edge as seen the mean over several frames, where the first frame or the layers show it; and of the
 /// outer edge.
-void Tracking::measure_radius(const std::vector<FirstPassFrame>& seen) {
+void Tracking::measure_radius(const SeenFrames& seen) {
   const auto running = clock_.enter("radius of the disc");
   TrackSummary& summary = result_.summary;
   summary.outer_radius = summary.disc.radius;
@@ -300,7 +300,7 @@ void Tracking::measure_radius(const std::vector<FirstPassFrame>& seen) {
   summary.plan.push_back(chamfer_stage(edge, options_.chamfer.has_value()));
 }
 
-void Tracking::check_roundness(const std::vector<FirstPassFrame>& seen) {
+void Tracking::check_roundness(const SeenFrames& seen) {
   const double radius = result_.summary.disc.radius;
   if (seen.empty() || !(radius > 0)) return;
   const FirstPassFrame& first = seen.front();

@@ -28,7 +28,7 @@ constexpr double kLongest = 1;                         ///< px a frame is moved 
 
 class EdgeTracking {
  public:
-  EdgeTracking(FrameSource& source, const std::vector<FirstPassFrame>& frames, const EdgeOptions& options)
+  EdgeTracking(FrameSource& source, const SeenFrames& frames, const EdgeOptions& options)
       : source_(source),
         frames_(frames),
         options_(options),
@@ -63,7 +63,7 @@ class EdgeTracking {
   }
 
   FrameSource& source_;
-  const std::vector<FirstPassFrame>& frames_;
+  const SeenFrames& frames_;
   EdgeOptions options_;
   RayGrid grid_;
   RayFields fields_;
@@ -220,8 +220,7 @@ void EdgeTracking::measure() {
 
 }  // namespace
 
-EdgeTrack track_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                     const EdgeOptions& options) {
+EdgeTrack track_edge(FrameSource& source, const SeenFrames& frames, const EdgeOptions& options) {
   return EdgeTracking(source, frames, options).run();
 }
 
@@ -267,8 +266,7 @@ double errors_of_pictures(const Remeasurement& by_edge, double stated) {
 }
 
 /// About its centre; places are those of the edge that is seen.
-EdgeTrack track_outer(FrameSource& source, std::vector<FirstPassFrame> frames, EdgeOptions options,
-                      const OuterEdge& outer) {
+EdgeTrack track_outer(FrameSource& source, SeenFrames frames, EdgeOptions options, const OuterEdge& outer) {
   options.radius += outer.beyond;
   for (FirstPassFrame& f : frames) f.centre = {f.centre.x + outer.off.x, f.centre.y + outer.off.y};
   EdgeTrack edge = track_edge(source, frames, options);
@@ -278,16 +276,14 @@ EdgeTrack track_outer(FrameSource& source, std::vector<FirstPassFrame> frames, E
 }
 
 /// Whether pictures that call themselves near the limit drift all the same, by the first and the last frames.
-bool drifts(FrameSource& source, const Track& track, std::vector<FirstPassFrame> frames,
-            std::vector<std::size_t> places, EdgeOptions options, double stated) {
+bool drifts(FrameSource& source, const Track& track, SeenFrames frames, EdgeOptions options, double stated) {
   if (frames.size() <= 2 * static_cast<std::size_t>(kAtEnds)) return true;
   frames.erase(frames.begin() + kAtEnds, frames.end() - kAtEnds);
-  places.erase(places.begin() + kAtEnds, places.end() - kAtEnds);
   options.rounds = 2;
   options.quick = true;
   const EdgeTrack edge = track_edge(source, frames, options);
   if (edge.fixes.empty()) return false;
-  const Remeasurement change = compare(track, places, edge.fixes);
+  const Remeasurement change = compare(track, frames, edge.fixes);
   return change.sd < errors_of_pictures(change, stated);
 }
 
@@ -301,7 +297,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   stage = {.name = kName, .reason = reason_against(first, options, coded, turning)};
   if (!stage.reason.empty()) return out;
   const auto running = clock.enter("edge in bands");
-  const auto [frames, places] = seen_frames(track, first.first_index);
+  const SeenFrames frames = seen_frames(track, first.first_index);
   if (frames.size() < kFewest) {
     stage.reason = kTooFew;
     return out;
@@ -312,7 +308,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
     stage.reason = fmt::format("the part's pictures give {:.2g} px, noise alone allows {:.2g} px", stated,
                                first.limit_px);
     if (!turning) return out;
-    if (!drifts(source, track, frames, places, asked, stated)) {
+    if (!drifts(source, track, frames, asked, stated)) {
       stage.reason +=
           fmt::format("; in the first and last {} frames the edge does not contradict them", kAtEnds);
       return out;
@@ -331,7 +327,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
     outer.beyond = beyond;  // what changes along the rays tells both better
     if (edge.optics.chamfer > 0.5 * outer.widest) outer.widest = edge.optics.chamfer;
   }
-  const Remeasurement change = compare(track, places, edge.fixes);
+  const Remeasurement change = compare(track, frames, edge.fixes);
   const double of_track = errors_of_pictures(change, stated);
   stage.on = change.sd < of_track;
   stage.reason = fmt::format(
@@ -341,7 +337,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
       edge.learnt_from, edge.radius, edge.optics.blur, edge.optics.chamfer, change.sd, edge.slow_sd, of_track,
       change.differ);
   if (!stage.on) return out;
-  replace(track, places, edge.fixes);
+  replace(track, frames, edge.fixes);
   out.limit_px = change.median_sd;
   out.slow_sd = edge.slow_sd;
   const double duration = track.points.back().time_s - track.points.front().time_s;

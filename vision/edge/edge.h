@@ -48,8 +48,7 @@ struct EdgeTrack {
 
 /// Frames in order, with centres that are known to a pixel. Throws InputError for a recording that cannot be
 /// read.
-EdgeTrack track_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                     const EdgeOptions& options);
+EdgeTrack track_edge(FrameSource& source, const SeenFrames& frames, const EdgeOptions& options);
 
 // The edge in bands of time as a stage of tracking: whether it pays, and whether it does better than
 // pictures.

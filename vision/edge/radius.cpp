@@ -55,7 +55,7 @@ struct MeanPicture {
 };
 
 /// Of some of the frames that show all within `reach` px of the centre.
-MeanPicture mean_about(FrameSource& source, const std::vector<FirstPassFrame>& frames, double reach) {
+MeanPicture mean_about(FrameSource& source, const SeenFrames& frames, double reach) {
   MeanPicture mean{.levels = {}, .middle = static_cast<int>(std::ceil(reach))};
   const int size = 2 * mean.middle + 1;
   mean.levels = Picture(size, size);
@@ -76,8 +76,8 @@ MeanPicture mean_about(FrameSource& source, const std::vector<FirstPassFrame>& f
 }
 
 /// The outer edge by the rays of the mean picture; nothing where no wide chamfer shows.
-std::optional<OuterEdge> behind_a_ring(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                                       double radius, double blur, double noise_variance, double chamfer) {
+std::optional<OuterEdge> behind_a_ring(FrameSource& source, const SeenFrames& frames, double radius,
+                                       double blur, double noise_variance, double chamfer) {
   const double widest = std::max(kWidest * radius, chamfer) + kMoreWide;
   RayGrid grid = ray_grid(radius);
   grid.outside = kBeyondSeen + static_cast<int>(std::ceil(widest));
@@ -127,8 +127,7 @@ double stored_shift(const DiscFit& fit, double black) {
 
 }  // namespace
 
-std::optional<DiscFit> seen_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                                 double radius) {
+std::optional<DiscFit> seen_edge(FrameSource& source, const SeenFrames& frames, double radius) {
   const MeanPicture mean = mean_about(source, frames, radius + std::max<double>(kBorder, 0.2 * radius));
   if (mean.frames < 2) return std::nullopt;
   const auto middle = static_cast<double>(mean.middle);
@@ -143,8 +142,8 @@ std::optional<DiscFit> seen_edge(FrameSource& source, const std::vector<FirstPas
   return fit;
 }
 
-OuterEdge outer_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames, double radius,
-                     double blur, double noise_variance, std::optional<double> chamfer) {
+OuterEdge outer_edge(FrameSource& source, const SeenFrames& frames, double radius, double blur,
+                     double noise_variance, std::optional<double> chamfer) {
   const double w = chamfer.value_or(kWidest) * radius;
   if (w > kShows)
     if (const auto seen = behind_a_ring(source, frames, radius, blur, noise_variance, w)) return *seen;

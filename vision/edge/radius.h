@@ -42,14 +42,13 @@ struct OuterEdge {
 ///   kappa s,  kappa = -Phi^-1((h^2.2 - o^2.2) / (a^2.2 - o^2.2)),  h = (a + o) / 2,
 /// for stored levels a inside and o outside and the blur s. Whether a camera does this is not known: kappa
 /// counts half, with the spread of what lies between none and all of it.
-std::optional<DiscFit> seen_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                                 double radius);
+std::optional<DiscFit> seen_edge(FrameSource& source, const SeenFrames& frames, double radius);
 
 /// `chamfer`: w over the radius, if it is known. `frames` with the part's centres to a fraction of the blur;
 /// those of them are read, if any, that it takes to see a wide chamfer. `radius` is R_seen and `blur` that of
 /// its edge, px.
-OuterEdge outer_edge(FrameSource& source, const std::vector<FirstPassFrame>& frames, double radius,
-                     double blur, double noise_variance, std::optional<double> chamfer);
+OuterEdge outer_edge(FrameSource& source, const SeenFrames& frames, double radius, double blur,
+                     double noise_variance, std::optional<double> chamfer);
 
 // Is a disc seen as one? Pixels that are not square and a camera that looks from the side make it an ellipse.
 

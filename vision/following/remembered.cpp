@@ -148,7 +148,7 @@ bool texture_returns(FrameSource& source, const Picture& first, std::int64_t ind
   constexpr std::size_t kFewest = 4;  // comparisons from which to conclude
   FollowOptions follow = options;
   follow.rotation = true;
-  std::vector<FirstPassFrame> frames{{.index = index, .centre = disc.centre}};
+  SeenFrames frames{{.index = index, .centre = disc.centre}};
   for (const Seen& s : follow_some(source, first, index, std::min(last, index + kFrames), disc, follow))
     if (s.index - index >= kSoonest)
       frames.push_back({.index = s.index, .centre = {disc.centre.x + s.pose.dx, disc.centre.y + s.pose.dy}});

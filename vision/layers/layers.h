@@ -84,7 +84,7 @@ struct MeasuredFrames {
 };
 
 /// `registration` holds the pictures learnt. `progress` may be empty.
-MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+MeasuredFrames measure_frames(FrameSource& source, const SeenFrames& frames,
                               const LayeredRegistration& registration, const LearntPart& learnt, int threads,
                               const std::function<void(std::int64_t done)>& progress);
 
@@ -93,8 +93,7 @@ MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFr
 /// Part, share of the ground, ground; of each of the shown frames, which are read again, prediction and
 /// residual in its measured state.
 void show_layers(const PartPictures& part, const GroundPicture& ground, const MeasuredFrames& measured,
-                 const std::vector<FirstPassFrame>& frames, const ShownFrames& shown, FrameSource& source,
-                 DebugSink& sink);
+                 const SeenFrames& frames, const ShownFrames& shown, FrameSource& source, DebugSink& sink);
 
 // The windows the layers are learnt from, and the platform's picture from the same frames.
 
@@ -102,8 +101,7 @@ void show_layers(const PartPictures& part, const GroundPicture& ground, const Me
 class LearningFrames {
  public:
   /// Keeps references. `reach` px about the part's centre.
-  LearningFrames(FrameSource& source, const std::vector<FirstPassFrame>& frames, const FirstPassResult& first,
-                 double reach);
+  LearningFrames(FrameSource& source, const SeenFrames& frames, const FirstPassResult& first, double reach);
 
   const Rect& region() const { return region_; }
   std::size_t count() const { return chosen_.size(); }
@@ -116,7 +114,7 @@ class LearningFrames {
 
  private:
   FrameSource& source_;
-  const std::vector<FirstPassFrame>& frames_;
+  const SeenFrames& frames_;
   const FirstPassResult& first_;
   double reach_;
   Rect region_, read_;                               ///< the latter of every frame

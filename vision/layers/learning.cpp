@@ -210,8 +210,7 @@ constexpr double kFewestWindows = 16;
 
 /// Places in `frames` of those that are spread over the whole recording, and read whole by the first pass
 /// where it is decoded; all where too few of them show the part.
-std::vector<std::size_t> spread_in_time(const std::vector<FirstPassFrame>& frames,
-                                        const FirstPassResult& first) {
+std::vector<std::size_t> spread_in_time(const SeenFrames& frames, const FirstPassResult& first) {
   std::vector<std::size_t> spread;
   for (std::size_t k = 0; k < frames.size(); ++k)
     if (is_learning_frame(frames[k].index - first.first_index, first.total)) spread.push_back(k);
@@ -222,7 +221,7 @@ std::vector<std::size_t> spread_in_time(const std::vector<FirstPassFrame>& frame
 }
 
 /// How far the part has gone by each frame, px: standing still counts nothing, noise neither.
-std::vector<double> way(const std::vector<FirstPassFrame>& frames) {
+std::vector<double> way(const SeenFrames& frames) {
   std::vector<double> out;
   Point last = frames.front().centre;
   double gone = 0;
@@ -239,7 +238,7 @@ std::vector<double> way(const std::vector<FirstPassFrame>& frames) {
 
 /// Places in `frames` of those to learn from, `most` at most: even in time and way alike, for a part that
 /// moves looks different from one at rest (light, coder, blur).
-std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frames, std::size_t most) {
+std::vector<std::size_t> choose_windows(const SeenFrames& frames, std::size_t most) {
   const std::vector<double> gone = way(frames);
   const auto progress = [&](std::size_t k) {
     const double in_time = static_cast<double>(k) / static_cast<double>(frames.size());
@@ -254,7 +253,7 @@ std::vector<std::size_t> choose_windows(const std::vector<FirstPassFrame>& frame
 }
 
 /// Places of the platform, in its frame, that are seen about the part's path.
-Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& bounds) {
+Rect swath(const SeenFrames& frames, double reach, const Rect& bounds) {
   double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9, away = 0;
   for (const FirstPassFrame& f : frames) {
     x0 = std::min(x0, f.centre.x);
@@ -273,8 +272,8 @@ Rect swath(const std::vector<FirstPassFrame>& frames, double reach, const Rect& 
 
 }  // namespace
 
-LearningFrames::LearningFrames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
-                               const FirstPassResult& first, double reach)
+LearningFrames::LearningFrames(FrameSource& source, const SeenFrames& frames, const FirstPassResult& first,
+                               double reach)
     : source_(source),
       frames_(frames),
       first_(first),

@@ -107,7 +107,7 @@ struct Sight {
 
 }  // namespace
 
-MeasuredFrames measure_frames(FrameSource& source, const std::vector<FirstPassFrame>& frames,
+MeasuredFrames measure_frames(FrameSource& source, const SeenFrames& frames,
                               const LayeredRegistration& registration, const LearntPart& learnt, int threads,
                               const std::function<void(std::int64_t done)>& progress) {
   MeasuredFrames out;
@@ -199,8 +199,7 @@ Picture predicted(const PartPictures& part, const GroundPicture& ground, const L
 }  // namespace
 
 void show_layers(const PartPictures& part, const GroundPicture& ground, const MeasuredFrames& measured,
-                 const std::vector<FirstPassFrame>& frames, const ShownFrames& shown, FrameSource& source,
-                 DebugSink& sink) {
+                 const SeenFrames& frames, const ShownFrames& shown, FrameSource& source, DebugSink& sink) {
   const double half = part.half;
   const Point corner{static_cast<double>(ground.region().x), static_cast<double>(ground.region().y)};
   sink.show({.name = "layers_part",

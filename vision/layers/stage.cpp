@@ -74,10 +74,10 @@ std::optional<PassOutcome> reason_against(const FirstPassResult& first, const Tr
 
 /// The ok points that were not measured again move by this, so that both passes refer to the same point of
 /// the disc. How many these are.
-std::int64_t move_rest(Track& track, const std::vector<std::size_t>& places,
+std::int64_t move_rest(Track& track, const SeenFrames& frames,
                        const std::vector<std::optional<Remeasured>>& fixes, const Point& by) {
   std::vector<bool> measured(track.points.size(), false);
-  for (std::size_t k = 0; k < places.size(); ++k) measured[places[k]] = fixes[k].has_value();
+  for (std::size_t k = 0; k < frames.size(); ++k) measured[frames[k].place] = fixes[k].has_value();
   std::int64_t count = 0;
   for (std::size_t k = 0; k < track.points.size(); ++k) {
     TrackPoint& p = track.points[k];
@@ -137,7 +137,7 @@ int layered_half(double radius, double blur) {
 PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                           const ShownFrames& shown, StageClock& clock, Track& track) {
   if (auto against = reason_against(first, track, options.layers)) return *against;
-  const auto [frames, places] = seen_frames(track, first.first_index, true);
+  const SeenFrames frames = seen_frames(track, first.first_index, true);
   if (frames.size() < kFewest) return left_out("too few frames to learn the layers from; " + finding(first));
   const auto learning_runs = clock.enter("layers: learning");
   double hidden = layered_half(first.disc.radius, first.blur) - kTaper;  // px about the part: no ground
@@ -165,10 +165,10 @@ PassOutcome layered_stage(FrameSource& source, const FirstPassResult& first, con
   }
 
   const auto fixes = centres_of_rim(measured, learnt.part, first.disc.radius);
-  const Remeasurement change = compare(track, places, fixes);
+  const Remeasurement change = compare(track, frames, fixes);
   if (change.count == 0) return left_out("the layers explain no frame; " + finding(first));
-  replace(track, places, fixes);
-  const std::int64_t kept = move_rest(track, places, fixes, change.moved);
+  replace(track, frames, fixes);
+  const std::int64_t kept = move_rest(track, frames, fixes, change.moved);
   PassOutcome out;
   out.stage = used(first, learnt, windows.size(), measured.slow_sd, change.differ);
   out.limit_px = change.median_sd;

@@ -20,9 +20,8 @@ namespace tribotrack::vision {
 /// The variance is that of the harmonics' scatter, and what grows with the angle turned as the learnt picture
 /// is renewed: from how the angles by the inner and the outer rings, each learnt for itself, drift apart. The
 /// same for any number of threads.
-std::vector<std::optional<Rotation>> follow_rotation(FrameSource& source,
-                                                     const std::vector<FirstPassFrame>& frames, double radius,
-                                                     double blur, int threads = 1);
+std::vector<std::optional<Rotation>> follow_rotation(FrameSource& source, const SeenFrames& frames,
+                                                     double radius, double blur, int threads = 1);
 
 // The rotation of the part in every frame in which it was found, where its texture shows it.
 

@@ -128,9 +128,8 @@ double white_ratio(const Turns& turns, double by_halves) {
 
 }  // namespace
 
-std::vector<std::optional<Rotation>> follow_rotation(FrameSource& source,
-                                                     const std::vector<FirstPassFrame>& frames, double radius,
-                                                     double blur, int threads) {
+std::vector<std::optional<Rotation>> follow_rotation(FrameSource& source, const SeenFrames& frames,
+                                                     double radius, double blur, int threads) {
   const RingHarmonics rings(radius, blur);
   if (!rings.usable() || frames.size() < 2) return {};
   const Turns turns = followed(source, frames, rings, threads);
@@ -167,13 +166,13 @@ void take_template(const FirstPassResult& first, Track& track) {
 
 PlanStage by_rings(FrameSource& source, const FirstPassResult& first, Track& track, int threads) {
   PlanStage stage{.name = "rotation by rings", .reason = "its texture is not seen again in most frames"};
-  const auto [frames, places] = seen_frames(track, first.first_index);
+  const SeenFrames frames = seen_frames(track, first.first_index);
   const auto seen = follow_rotation(source, frames, first.disc.radius, first.blur, threads);
   double low = 0, high = 0;
   std::size_t count = 0;
   for (std::size_t k = 0; k < seen.size(); ++k) {
     if (!seen[k]) continue;
-    track.points[places[k]].rotation = seen[k];
+    track.points[frames[k].place].rotation = seen[k];
     low = std::min(low, seen[k]->theta);
     high = std::max(high, seen[k]->theta);
     ++count;

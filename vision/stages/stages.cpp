@@ -63,14 +63,14 @@ ShownFrames frames_to_show(const Track& track, const FirstPassResult& first, con
   return shown;
 }
 
-Remeasurement compare(const Track& track, const std::vector<std::size_t>& places,
+Remeasurement compare(const Track& track, const SeenFrames& frames,
                       const std::vector<std::optional<Remeasured>>& fixes) {
   Remeasurement out;
   std::vector<double> sds;
   double squares = 0, variances = 0;
-  for (std::size_t k = 0; k < places.size(); ++k) {
+  for (std::size_t k = 0; k < frames.size(); ++k) {
     if (!fixes[k]) continue;
-    const TrackPoint& p = track.points[places[k]];
+    const TrackPoint& p = track.points[frames[k].place];
     const double x = fixes[k]->centre.x - p.x, y = fixes[k]->centre.y - p.y;
     out.moved = {out.moved.x + x, out.moved.y + y};
     squares += x * x + y * y;
@@ -88,11 +88,10 @@ Remeasurement compare(const Track& track, const std::vector<std::size_t>& places
   return out;
 }
 
-void replace(Track& track, const std::vector<std::size_t>& places,
-             const std::vector<std::optional<Remeasured>>& fixes) {
-  for (std::size_t k = 0; k < places.size(); ++k) {
+void replace(Track& track, const SeenFrames& frames, const std::vector<std::optional<Remeasured>>& fixes) {
+  for (std::size_t k = 0; k < frames.size(); ++k) {
     if (!fixes[k]) continue;
-    TrackPoint& p = track.points[places[k]];
+    TrackPoint& p = track.points[frames[k].place];
     p.x = fixes[k]->centre.x;
     p.y = fixes[k]->centre.y;
     p.ncc = fixes[k]->ncc.value_or(p.ncc);

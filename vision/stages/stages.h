@@ -61,13 +61,10 @@ struct FirstPassResult {
 struct FirstPassFrame {
   std::int64_t index = 0;
   Point centre;
-  Point ground = {};  ///< the platform's displacement since the first frame
+  Point ground = {};      ///< the platform's displacement since the first frame
+  std::size_t place = 0;  ///< of its point in the track
 };
-
-struct SeenFrames {
-  std::vector<FirstPassFrame> frames;
-  std::vector<std::size_t> places;  ///< in the track
-};
+using SeenFrames = std::vector<FirstPassFrame>;
 
 /// The frames in which the part was found and, if asked for, the marker where there is one. `first_index` is
 /// that of the track's first point in the source.
@@ -77,13 +74,12 @@ inline SeenFrames seen_frames(const Track& track, std::int64_t first_index, bool
   for (std::size_t k = 0; k < track.points.size(); ++k) {
     const TrackPoint& p = track.points[k];
     if (p.status != TrackStatus::ok || (with_marker && track.has_marker && !p.marker)) continue;
-    FirstPassFrame f{first_index + static_cast<std::int64_t>(k), {p.x, p.y}};
+    FirstPassFrame f{first_index + static_cast<std::int64_t>(k), {p.x, p.y}, {}, k};
     if (p.marker) {
       if (!origin) origin = &*p.marker;
       f.ground = {p.marker->x - origin->x, p.marker->y - origin->y};
     }
-    seen.frames.push_back(f);
-    seen.places.push_back(k);
+    seen.push_back(f);
   }
   return seen;
 }
@@ -95,17 +91,16 @@ struct Remeasured {
   std::optional<double> ncc = {};
 };
 
-/// The positions at some places of a track, as they are and as they were measured again.
+/// The positions in some frames of a track, as they are and as they were measured again.
 struct Remeasurement {
   std::size_t count = 0;         ///< measured
   Point moved;                   ///< mean, px
   double differ = 0;             ///< px rms of a coordinate, without the mean
   double sd = 0, median_sd = 0;  ///< px of a coordinate as measured again: rms, median
 };
-Remeasurement compare(const Track& track, const std::vector<std::size_t>& places,
+Remeasurement compare(const Track& track, const SeenFrames& frames,
                       const std::vector<std::optional<Remeasured>>& fixes);
-void replace(Track& track, const std::vector<std::size_t>& places,
-             const std::vector<std::optional<Remeasured>>& fixes);
+void replace(Track& track, const SeenFrames& frames, const std::vector<std::optional<Remeasured>>& fixes);
 
 /// What a pass that measures the frames again found out, for the track's summary.
 struct PassOutcome {

@@ -31,10 +31,10 @@ test::RenderedSource even_disc() {
 }
 
 /// As a first pass might leave them.
-std::vector<FirstPassFrame> guesses() {
+SeenFrames guesses() {
   std::mt19937 random(4);
   std::normal_distribution<double> off(0, 0.2);
-  std::vector<FirstPassFrame> out;
+  SeenFrames out;
   for (std::int64_t k = 0; k < kFrames; ++k)
     out.push_back({k, {truth(k).x + off(random), truth(k).y + off(random)}, {}});
   return out;
@@ -77,7 +77,7 @@ TEST(EdgeTrack, IsAtTheBoundWithATrueSdForAnyNumberOfThreads) {
 
 TEST(EdgeTrack, LeavesFramesOutWhereTheRimLeavesThePicture) {
   test::RenderedSource source = even_disc();
-  std::vector<FirstPassFrame> frames = guesses();
+  SeenFrames frames = guesses();
   frames.resize(40);
   frames[7].centre = {10, 30};
   const EdgeTrack track = track_edge(source, frames, {.radius = kRadius, .noise_variance = kNoise * kNoise});

@@ -29,7 +29,7 @@ test::RenderedSource chamfered(double width, std::int64_t frames) {
 OuterEdge edge_of(double width, double seen, const std::optional<double>& known = std::nullopt,
                   Point centre = {80, 80}) {
   test::RenderedSource source = chamfered(width, 4);
-  std::vector<FirstPassFrame> frames;
+  SeenFrames frames;
   for (std::int64_t k = 0; k < 4; ++k) frames.push_back({k, centre, {}});
   return outer_edge(source, frames, seen, 0.8, kNoise * kNoise, known);
 }

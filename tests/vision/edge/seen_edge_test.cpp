@@ -12,7 +12,7 @@ namespace {
 /// The edge as seen in `count` frames, with the disc at its true places.
 template <class Place>
 std::optional<DiscFit> seen_in(FrameSource& source, int count, double radius, const Place& place) {
-  std::vector<FirstPassFrame> frames;
+  SeenFrames frames;
   for (int k = 0; k < count; ++k) frames.push_back({k, place(k), {}});
   return seen_edge(source, frames, radius);
 }

@@ -9,7 +9,7 @@ namespace tribotrack::vision {
 namespace {
 
 TEST(LearningFrames, FitIntoMemory) {
-  std::vector<FirstPassFrame> frames(300);
+  SeenFrames frames(300);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     frames[k].index = static_cast<std::int64_t>(k);
     frames[k].centre = {30 + static_cast<double>(k) / 3, 45};

@@ -41,8 +41,8 @@ struct Spinning {
       return renderer->render(static_cast<int>(k), static_cast<double>(k) / kFps, 0, at, 1);
     });
   }
-  std::vector<FirstPassFrame> placed() const {
-    std::vector<FirstPassFrame> out;
+  SeenFrames placed() const {
+    SeenFrames out;
     for (int k = 0; k < frames; ++k) out.push_back({k, centre(k)});
     return out;
   }
