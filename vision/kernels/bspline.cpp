@@ -167,39 +167,6 @@ TRIBOTRACK_KERNEL float sum_of_lanes(const TapLanes& v) {
   return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
 }
 
-/// Places of a spline that each have a fraction of their own.
-struct Places {
-  const float* origin = nullptr;  ///< the coefficient of pixel (0, 0)
-  std::ptrdiff_t stride = 0;
-  int width = 0, height = 0;  ///< of the picture: places are clamped to 5 px before and 4 px beyond it
-  const float *x = nullptr, *y = nullptr;
-  std::size_t count = 0;
-};
-
-TRIBOTRACK_CLONES void places_of(const Places& places, float* value, float* slope_x, float* slope_y) {
-  const float right = static_cast<float>(places.width) + 3.99F,
-              bottom = static_cast<float>(places.height) + 3.99F;
-  for (std::size_t k = 0; k < places.count; ++k) {
-    const float x = std::min(std::max(places.x[k], -5.0F), right);
-    const float y = std::min(std::max(places.y[k], -5.0F), bottom);
-    const float fx = whole_below(x), fy = whole_below(y);
-    const float* corner = places.origin + (static_cast<std::ptrdiff_t>(fy) - 2) * places.stride +
-                          (static_cast<std::ptrdiff_t>(fx) - 2);
-    TapLanes across, down, columns;
-    quintic_lanes(x - fx, across);
-    quintic_lanes(y - fy, down);
-    weigh_rows(corner, places.stride, down, columns);
-    value[k] = sum_of_lanes(columns * across);
-    if (!slope_x) continue;
-    TapLanes rise;
-    quintic_slope_lanes(x - fx, rise);
-    slope_x[k] = sum_of_lanes(columns * rise);
-    quintic_slope_lanes(y - fy, rise);
-    weigh_rows(corner, places.stride, rise, columns);
-    slope_y[k] = sum_of_lanes(columns * across);
-  }
-}
-
 /// b(t - k) for k = -2 .. 3, t in [0, 1): weights of the six coefficients around t.
 std::array<double, 6> quintic_weights(double t) {
   VectorOf<double, 8>::type w;
@@ -263,10 +230,27 @@ SplineSample QuinticSpline::sample(double x, double y) const {
   return out;
 }
 
-void QuinticSpline::sample_places(const std::vector<float>& x, const std::vector<float>& y, float* value,
-                                  float* slope_x, float* slope_y) const {
-  places_of({coefficient(0, 0), stride_, width_, height_, x.data(), y.data(), x.size()}, value, slope_x,
-            slope_y);
+TRIBOTRACK_CLONES void QuinticSpline::sample_places(const std::vector<float>& x, const std::vector<float>& y,
+                                                    float* value, float* slope_x, float* slope_y) const {
+  const float right = static_cast<float>(width_) + 3.99F, bottom = static_cast<float>(height_) + 3.99F;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const float at_x = std::min(std::max(x[k], -5.0F), right);
+    const float at_y = std::min(std::max(y[k], -5.0F), bottom);
+    const float fx = whole_below(at_x), fy = whole_below(at_y);
+    const float* corner = coefficient(static_cast<int>(fx) - 2, static_cast<int>(fy) - 2);
+    TapLanes across, down, columns;
+    quintic_lanes(at_x - fx, across);
+    quintic_lanes(at_y - fy, down);
+    weigh_rows(corner, stride_, down, columns);
+    value[k] = sum_of_lanes(columns * across);
+    if (!slope_x) continue;
+    TapLanes rise;
+    quintic_slope_lanes(at_x - fx, rise);
+    slope_x[k] = sum_of_lanes(columns * rise);
+    quintic_slope_lanes(at_y - fy, rise);
+    weigh_rows(corner, stride_, rise, columns);
+    slope_y[k] = sum_of_lanes(columns * across);
+  }
 }
 
 void QuinticSpline::sample_window(double x0, double y0, int width, int height, float* value, float* slope_x,

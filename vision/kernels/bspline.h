@@ -35,7 +35,8 @@ class QuinticSpline {
   double value(double x, double y) const { return sample(x, y).value; }
   SplineSample sample(double x, double y) const;
 
-  /// The same at many places at once, in single precision. Slopes may be null, both together.
+  /// The same at many places at once, in single precision. Slopes may be null, both together. Places are
+  /// clamped to 5 px before and 4 px beyond the picture.
   void sample_places(const std::vector<float>& x, const std::vector<float>& y, float* value, float* slope_x,
                      float* slope_y) const;
 
