@@ -99,7 +99,7 @@ class SectorFit {
   Eigen::Matrix3d inverse_;                  ///< of profile^T weight profile
   std::vector<Eigen::Vector3d> directions_;  ///< how each edge moves with x, y, R
   std::vector<Edge> edges_;
-  double seen_ = 0, contrast_ = 0, unevenness_ = 0, squares_ = 0, explained_ = 0;
+  double seen_ = 0, unevenness_ = 0, squares_ = 0, explained_ = 0;
 };
 
 /// Regression on 1, Phi, phi / s: outside level, step, step times the edge's displacement. Places within a
@@ -156,10 +156,10 @@ void SectorFit::measure_edges() {
     squares += square;
     weight += rays_ * weight_.sum();
   }
-  contrast_ = median(steps);
+  const double contrast = median(steps);
   seen_ = 0;
   for (Edge& e : edges_) {
-    e.seen = e.seen && std::abs(e.step) > kLeastStep * contrast_ && std::abs(e.displacement) < 0.5 * band_;
+    e.seen = e.seen && std::abs(e.step) > kLeastStep * contrast && std::abs(e.displacement) < 0.5 * band_;
     seen_ += e.seen;
   }
   squares_ = residual / std::max(1.0, weight - 3.0 * count_);
@@ -208,7 +208,6 @@ RimSectors SectorFit::result() const {
   }
   const Eigen::Matrix3d inverse = normal.inverse();
   out.covariance = (seen / std::max(1.0, seen - 3) * inverse * scatter * inverse).topLeftCorner<2, 2>();
-  out.contrast = contrast_;
   out.coverage = seen / count_;
   out.unevenness = unevenness_;
   out.correlation = std::sqrt(std::max(0.0, explained_));

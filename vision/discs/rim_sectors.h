@@ -30,7 +30,6 @@ struct RimSectors {
   /// their edges' displacements, u their directions. It holds whatever makes the rim uneven, as long as
   /// sectors err independently, and is never less than what noise does.
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  double contrast = 0;      ///< median of |A_k - O_k|
   double coverage = 0;      ///< share of the sectors that show the edge
   double unevenness = 0;    ///< usual size of the deviations, px
   double correlation = 0;   ///< of the pixels near the rim with the edges fitted to them, -1 .. 1

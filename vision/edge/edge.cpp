@@ -202,7 +202,7 @@ void EdgeTracking::measure() {
       sample(k, sampler[worker], {at, nullptr, nullptr});
       for (std::size_t j = 0; j < size; ++j) at[j] -= mean_.level[j];
       score(grid_, weights_, at, to);
-      const Eigen::Vector2d off = shift_of_frame(weights_[0], to, 0).cwiseMax(-kLongest).cwiseMin(kLongest);
+      const Eigen::Vector2d off = shift(weights_[0], to).cwiseMax(-kLongest).cwiseMin(kLongest);
       if (off.norm() < kNear || pass == passes) break;
       centres_[k] = {centres_[k].x + off(0), centres_[k].y + off(1)};
     }

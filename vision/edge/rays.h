@@ -174,8 +174,8 @@ inline constexpr std::size_t kScores = kBands * kSectors * 2;
 /// Of the levels of a frame less the mean's.
 void score(const RayGrid& grid, const EdgeWeights& weights, const float* levels, float* scores);
 
-/// How far the centre lies from where a frame was sampled, by one band's weights: -A times the scores' sum.
-Eigen::Vector2d shift_of_frame(const BandWeights& weights, const float* scores, std::size_t band);
+/// How far the centre lies from where a frame was sampled, by its scores of one band: -A times their sum.
+Eigen::Vector2d shift(const BandWeights& weights, const float* of_sectors);
 
 /// The same of every frame of consecutive blocks, kScores numbers a frame, each band by its own weights.
 std::vector<Eigen::Vector2d> shifts_by_bands(const EdgeWeights& weights, const Bands& scores);

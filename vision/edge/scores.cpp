@@ -22,12 +22,6 @@ auto of_band(Numbers& bands, std::size_t band, std::size_t frame) {
   return bands[band].data() + frame * kScores + band * kSectors * 2;
 }
 
-Eigen::Vector2d shift(const BandWeights& weights, const float* of_sectors) {
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (std::size_t j = 0; j < kSectors; ++j) sum += Eigen::Vector2d(of_sectors[2 * j], of_sectors[2 * j + 1]);
-  return -(weights.shift_per_score * sum);
-}
-
 /// Takes the shift out of a frame's scores, and gives the covariance of a shift for what is left of them.
 Eigen::Matrix2d take_out(const BandWeights& weights, const Eigen::Vector2d& shift, float* of_sectors) {
   Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
@@ -146,8 +140,10 @@ void score(const RayGrid& grid, const EdgeWeights& weights, const float* levels,
   }
 }
 
-Eigen::Vector2d shift_of_frame(const BandWeights& weights, const float* scores, std::size_t band) {
-  return shift(weights, scores + band * kSectors * 2);
+Eigen::Vector2d shift(const BandWeights& weights, const float* of_sectors) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (std::size_t j = 0; j < kSectors; ++j) sum += Eigen::Vector2d(of_sectors[2 * j], of_sectors[2 * j + 1]);
+  return -(weights.shift_per_score * sum);
 }
 
 std::vector<Eigen::Vector2d> shifts_by_bands(const EdgeWeights& weights, const Bands& scores) {

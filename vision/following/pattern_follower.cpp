@@ -28,8 +28,6 @@ PatternFollower::PatternFollower(const Picture& first, std::int64_t index, const
       pattern_(pattern),
       registration_(first, pattern, options),
       matcher_(search_template(first, pattern)),
-      matcher_offset_x_(pattern.centre.x - pattern.window.x),
-      matcher_offset_y_(pattern.centre.y - pattern.window.y),
       rim_(std::move(rim)),
       distractors_(std::max(6.0, pattern.reach())) {
   search_reference_ = matcher_.score(first, pattern.window.x, pattern.window.y);
@@ -81,7 +79,6 @@ FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool a
       if (index - motion_.last_frame() > 3) motion_ = MotionPrediction();
       accept(index, *out.sighting);
       state_ = State::tentative;
-      out.tentative = true;
     }
   } else if (state_ == State::lost) {
     out.sighting = near(source, index, motion_.last(), std::max(40.0, pattern_.reach()));
@@ -214,7 +211,8 @@ std::optional<Sighting> PatternFollower::by_template(const Rect& window, std::in
 std::vector<Point> PatternFollower::matches(const Rect& window, double separation, int most) const {
   std::vector<Point> out;
   for (const Match& m : matcher_.search(picture_, 0.7 * search_reference_, separation, most))
-    out.push_back({window.x + m.x + matcher_offset_x_, window.y + m.y + matcher_offset_y_});
+    out.push_back({window.x + m.x + (pattern_.centre.x - pattern_.window.x),
+                   window.y + m.y + (pattern_.centre.y - pattern_.window.y)});
   return out;
 }
 

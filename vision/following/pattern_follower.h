@@ -90,10 +90,9 @@ struct Sighting : Registration {
 
 struct FollowStep {
   TrackStatus status = TrackStatus::lost;
-  std::optional<Sighting> sighting;
-  bool tentative = false;          ///< sighting awaits confirmation by the next frame; status is lost
-  bool confirms_previous = false;  ///< the previous frame's tentative sighting was right
-  bool came_back = false;          ///< so it was, of a part that had left the picture
+  std::optional<Sighting> sighting;  ///< if not ok, it awaits confirmation by the next frame
+  bool confirms_previous = false;    ///< the previous frame's tentative sighting was right
+  bool came_back = false;            ///< so it was, of a part that had left the picture
 };
 
 /// What it took, for the plan.
@@ -140,8 +139,7 @@ class PatternFollower {
   Pattern pattern_;
   TemplateRegistration registration_;
   TemplateMatcher matcher_;
-  double matcher_offset_x_, matcher_offset_y_;  ///< pattern's centre minus its window's first pixel
-  double search_reference_ = 1;                 ///< score of the search template on the part itself
+  double search_reference_ = 1;  ///< score of the search template on the part itself
   State state_ = State::following;
   MotionPrediction motion_;
   std::optional<MotionPrediction> before_tentative_;

@@ -31,7 +31,6 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   constexpr double kFarthest = 4;      ///< px from the start: further is no convergence
   constexpr double kTolerance = 1e-4;  ///< px
   bool trimmed = false;
-  std::size_t trimmed_count = 0;
   const auto sums_now = [&] {
     return force_sums(arrays_, static_cast<float>(gain), static_cast<float>(offset));
   };
@@ -74,9 +73,8 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
                          std::abs(fraction.theta - formed.theta) * pattern_.reach() > 0.5;
     if (re_form || !settled) sample_template(fraction, re_form);
     if (settled && !trimmed) {
-      trimmed_count = trim(sums_now(), gain, offset, noise_sd);
       trimmed = true;
-      if (trimmed_count > 0) {
+      if (trim(sums_now(), gain, offset, noise_sd) > 0) {
         factor.compute(normal = normal_matrix());
         settled = false;
       }
@@ -97,7 +95,6 @@ Registration TemplateRegistration::refine(const Picture& picture, int x, int y, 
   if (!out.converged) return out;
 
   const ForceSums sums = sums_now();
-  out.trimmed_share = static_cast<double>(trimmed_count) / pixels_;
   out.residual_rms = std::sqrt(sums.squares / std::max(1.0, sums.weight - columns()));
 
   // A residual clearly below the estimated noise (a texture passed for noise) is the better estimate; nearly

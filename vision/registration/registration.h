@@ -40,10 +40,9 @@ struct Registration {
   bool converged = false;
   Pose pose;
   double gain = 1, offset = 0;
-  double ncc = 0;            ///< zero-mean normalised cross-correlation under the whole mask
-  double residual_rms = 0;   ///< grey levels
-  double excess_rms = 0;     ///< part of it beyond the noise of picture and template
-  double trimmed_share = 0;  ///< pixels left out as not belonging to the template (glare, a hand)
+  double ncc = 0;           ///< zero-mean normalised cross-correlation under the whole mask
+  double residual_rms = 0;  ///< grey levels
+  double excess_rms = 0;    ///< part of it beyond the noise of picture and template
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (dx, dy), px^2
   double sigma_theta = 0;                                ///< rad; 0 where rotation is not estimated
 };

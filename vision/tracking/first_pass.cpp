@@ -127,7 +127,7 @@ FollowStep FirstPass::follow_part(std::int64_t index) {
     ++refound_;
     if (step.came_back) came_back_.push_back(points.size() - 2);
   }
-  tentative_ = step.tentative ? step.sighting : std::nullopt;
+  tentative_ = step.status == TrackStatus::ok ? std::nullopt : step.sighting;
   points.back().status = step.status;
   result.looks.emplace_back();
   if (step.status != TrackStatus::ok) return step;
