@@ -208,8 +208,7 @@ void FirstPass::show(const Track& track, const ShownFrames& frames) {
   show_first_pass(setup_, first_, track, frames, source_, *options_.debug);
 }
 
-GateLamp::GateLamp(const Circle& circle, const FrameSource& source)
-    : circle_(circle), top_(static_cast<float>(source.info().clipping_level())) {
+GateLamp::GateLamp(const Circle& circle, const FrameSource& source) : top_(source.info().clipping_level()) {
   const int x0 = static_cast<int>(std::floor(circle.x - circle.radius));
   const int y0 = static_cast<int>(std::floor(circle.y - circle.radius));
   const int x1 = static_cast<int>(std::ceil(circle.x + circle.radius));
@@ -222,22 +221,16 @@ GateLamp::GateLamp(const Circle& circle, const FrameSource& source)
         source.info().path.string(), circle.x, circle.y, circle.radius, source.info().width,
         source.info().height));
   }
+  mask_ = cv::Mat(window_.height, window_.width, CV_8U);
   for (int y = 0; y < window_.height; ++y)
-    for (int x = 0; x < window_.width; ++x) pixels_ += in_circle(circle_, window_.x + x, window_.y + y);
+    for (int x = 0; x < window_.width; ++x)
+      mask_.at<unsigned char>(y, x) = in_circle(circle, window_.x + x, window_.y + y);
 }
 
 GateLamp::Sample GateLamp::sample(FrameSource& source, std::int64_t index) {
   source.read(index, window_, picture_);
-  double sum = 0;
-  int clipped = 0;
-  for (int y = 0; y < window_.height; ++y)
-    for (int x = 0; x < window_.width; ++x) {
-      if (!in_circle(circle_, window_.x + x, window_.y + y)) continue;
-      const float level = picture_.at(x, y);
-      sum += level;
-      clipped += level >= top_;
-    }
-  return {sum / pixels_, static_cast<double>(clipped) / pixels_};
+  const cv::Mat levels = matrix_of(picture_), clipped = (levels >= top_) & (mask_ > 0);
+  return {cv::mean(levels, mask_)[0], static_cast<double>(cv::countNonZero(clipped)) / pixels()};
 }
 
 }  // namespace tribotrack::vision

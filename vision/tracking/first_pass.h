@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
 
@@ -28,13 +29,12 @@ class GateLamp {
   };
   Sample sample(FrameSource& source, std::int64_t index);
 
-  int pixels() const { return pixels_; }
+  int pixels() const { return cv::countNonZero(mask_); }
 
  private:
-  Circle circle_;
   Rect window_;
-  float top_;
-  int pixels_ = 0;
+  double top_;
+  cv::Mat mask_;     ///< of the circle in the window
   Picture picture_;  ///< work space
 };
 
