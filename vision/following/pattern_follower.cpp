@@ -38,7 +38,7 @@ FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool a
   audited_ = audited;
   const Rect bounds = source.bounds();
   FollowStep out;
-  if (effort_.ended) return out;
+  if (ended_) return out;
   outside_.reset();
   if (state_ == State::following || state_ == State::tentative) {
     const Point predicted = motion_.at(index);
@@ -54,7 +54,7 @@ FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool a
         return out;
       }
     }
-    if (effort_.ended) return out;
+    if (ended_) return out;
     if (state_ == State::tentative) {
       motion_ = *before_tentative_;
       state_ = before_state_;
@@ -72,7 +72,7 @@ FollowStep PatternFollower::step(FrameSource& source, std::int64_t index, bool a
   }
   if (options_.search_whole_frame) {
     out.sighting = search(source, index);
-    if (effort_.ended) return out;
+    if (ended_) return out;
     if (out.sighting) {
       before_tentative_ = motion_;
       before_state_ = state_;
@@ -182,7 +182,7 @@ std::optional<Sighting> PatternFollower::near(FrameSource& source, std::int64_t 
   const auto itself = [&](std::optional<Sighting> s) {
     if (!s || distance(s->position, predicted) <= own_radius() || !may_be_another(source, index, s->position))
       return within(s);
-    if (!s->by_rim) effort_.ended = index;  // a rim alone is not enough of a likeness to end a track by
+    if (!s->by_rim) ended_ = index;  // a rim alone is not enough of a likeness to end a track by
     return std::optional<Sighting>();
   };
   if (rim_ && template_rest_ > 0)
@@ -196,11 +196,7 @@ std::optional<Sighting> PatternFollower::near(FrameSource& source, std::int64_t 
 std::optional<Sighting> PatternFollower::by_template(const Rect& window, std::int64_t index,
                                                      const Point& predicted, double reach, Point& place) {
   const Pose start = pose_at(predicted, index);
-  if (auto s = refine(window, start, reach); s && s->ncc > 0.95 * reference_ncc_) {
-    ++effort_.proved_by_refinement;
-    return s;
-  }
-  ++effort_.window_searches;
+  if (auto s = refine(window, start, reach); s && s->ncc > 0.95 * reference_ncc_) return s;
   const std::vector<Point> best = matches(window, pattern_.reach(), 1);
   if (best.empty()) return refine(window, start, reach);  // perhaps half out of the picture
   place = best.front();
@@ -236,7 +232,6 @@ std::optional<Sighting> PatternFollower::by_rim(const Rect& window, std::int64_t
 
 /// In the whole frame, which is in `picture_`.
 std::vector<Point> PatternFollower::candidates() {
-  ++effort_.whole_frame_searches;
   return matches(bounds_of(picture_), 0.8 * pattern_.reach(), kMostAlike);
 }
 
@@ -330,7 +325,7 @@ std::optional<Sighting> PatternFollower::search(FrameSource& source, std::int64_
     return s.ncc > best.ncc - kSameLook && distance(s.position, best.position) > own_radius();
   });
   if (others || distractors_.all_moved()) {
-    effort_.ended = index;
+    ended_ = index;
     return std::nullopt;
   }
   return best;

@@ -95,14 +95,6 @@ struct FollowStep {
   bool came_back = false;            ///< so it was, of a part that had left the picture
 };
 
-/// What it took, for the plan.
-struct FollowEffort {
-  std::int64_t proved_by_refinement = 0;
-  std::int64_t window_searches = 0;
-  std::int64_t whole_frame_searches = 0;
-  std::optional<std::int64_t> ended;  ///< index of the frame since which the part cannot be told from others
-};
-
 class PatternFollower {
  public:
   /// `first` is the whole first analysed frame, number `index` in the source. With a `rim` the part is also
@@ -113,7 +105,8 @@ class PatternFollower {
   /// Frames must come in order. `audited`: the sighting's halves are compared.
   FollowStep step(FrameSource& source, std::int64_t index, bool audited = false);
 
-  const FollowEffort& effort() const { return effort_; }
+  /// Index of the frame since which the part cannot be told from others.
+  const std::optional<std::int64_t>& ended() const { return ended_; }
 
  private:
   enum class State { following, tentative, lost, left };
@@ -153,7 +146,7 @@ class PatternFollower {
   std::optional<Sighting> outside_;  ///< seen, but reaching out of the picture
   Distractors distractors_;
   bool distractors_known_ = false;  ///< those of the last frame in which the part was seen
-  FollowEffort effort_;
+  std::optional<std::int64_t> ended_;
   Picture fruitless_;  ///< the last frame in which a search of it all found nothing
   Picture picture_;    ///< work space
 };

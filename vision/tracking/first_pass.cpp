@@ -39,20 +39,6 @@ PlanStage bad_pixels_stage(std::size_t found) {
                                 found)};
 }
 
-/// Stages that only some frames need.
-std::vector<PlanStage> search_stages(const FollowEffort& effort, std::int64_t frames) {
-  const double proved = static_cast<double>(effort.proved_by_refinement) /
-                        static_cast<double>(std::max<std::int64_t>(1, frames));
-  return {
-      {.name = "correlation over the predicted window",
-       .on = effort.window_searches > 0,
-       .reason = fmt::format("refinement from the prediction confirmed the match in {:.1f} % of the frames",
-                             100 * proved)},
-      {.name = "search of the whole frame",
-       .on = effort.whole_frame_searches > 0,
-       .reason = fmt::format("needed in {} frames, where the part was lost", effort.whole_frame_searches)}};
-}
-
 /// In how many of the frames in which the part was seen the rim alone measures it.
 PlanStage rim_stage(std::int64_t by_rim, std::int64_t seen) {
   return {
@@ -182,13 +168,12 @@ Track FirstPass::finish() {
   follow_ground();
   static_cast<FrameCounts&>(summary_) = count(track_, options_.max_lost_share);
   summary_.refound = refound_;
-  add(summary_.plan, search_stages(part_.effort(), summary_.frames));
-  if (part_.effort().ended)
+  if (part_.ended())
     summary_.warnings.push_back(fmt::format(
         "the track ends before frame {}: from there on others that look like the part may have come to where "
         "it "
         "is seen; record at a higher rate, or mark the part",
-        source_.number(*part_.effort().ended)));
+        source_.number(*part_.ended())));
   if (setup_.shape) {
     const auto by_rim = std::ranges::count(setup_.result.looks, true, &PartLook::by_rim);
     summary_.plan.push_back(rim_stage(by_rim, summary_.ok));
