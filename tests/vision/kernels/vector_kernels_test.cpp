@@ -6,7 +6,6 @@
 
 #include "vision/kernels/bspline.h"
 #include "vision/kernels/tile_kernels.h"
-#include "vision/layers/registration/kernels.h"
 
 namespace tribotrack::vision {
 namespace {
@@ -83,83 +82,6 @@ TEST(VectorKernels, SumsOverTiles) {
   for (std::size_t t = 0; t < kTiles; ++t) {
     const ForceSums of_tile = force_sums(a, gain, offset, t, t + 1);
     for (std::size_t j = 0; j < 5; ++j) scores[t][j].expect(of_tile.force[j], "score", 5 * t + j);
-  }
-}
-
-TEST(VectorKernels, LayeredModelItsNormalSumsAndForces) {
-  std::mt19937 random(6);
-  LayerArrays a;
-  a.tiles = kTiles;
-  const auto layer = [&](TileArrays& t, double mean, double spread, double slope) {
-    t.value = draw(random, mean, spread);
-    t.slope_x = draw(random, 0, slope);
-    t.slope_y = draw(random, 0, slope);
-  };
-  layer(a.part, 90, 60, 12);
-  layer(a.share, 0.5, 0.5, 0.3);
-  layer(a.ground, 70, 15, 4);
-  a.u = draw(random, 0, 30);
-  a.v = draw(random, 0, 30);
-  a.level = draw(random, 120, 50);
-  a.ground_variance = draw(random, 0.1, 0.1);
-  a.variance = draw(random, 3, 1);
-  for (float& v : a.variance) v = 0.5F + std::abs(v);
-  for (float& v : a.ground_variance) v = std::abs(v);
-  for (auto* unset : {&a.weight, &a.step_x, &a.step_y, &a.below}) unset->assign(kCount, 0);
-  std::vector<float> mask(kCount, 1);
-  for (std::size_t i = 0; i < kCount; i += 5) mask[i] = 0;
-  const LayerLight light{1.05, 1e-3, -2e-3, 0.97, 0.8, 70};
-  LayerArrays formed = a;
-  const LayerNormal normal = form_normal(formed, mask, light);
-  const LayerForce force = layer_force(formed, light, 0, kTiles);
-  std::array<SlowSum, std::tuple_size_v<LayerNormal>> slow_normal;
-  std::array<SlowSum, kLayerColumns> slow_force;
-  SlowSum squares;
-  std::vector<std::array<SlowSum, kLayerColumns>> slow_scores(kTiles);
-  for (std::size_t i = 0; i < kCount; ++i) {
-    const double w = formed.weight[i];
-    const double through = light.ground * double{a.share.value[i]};
-    const double variance = a.variance[i] + through * through * double{a.ground_variance[i]};
-    EXPECT_NEAR(w, mask[i] / variance, 1e-5 * w) << i;
-    const double here = light.gain + light.slope_x * a.u[i] + light.slope_y * a.v[i];
-    const double s = a.part.value[i];
-    const double blended = light.blend * (double{a.share.slope_x[i]} * a.ground.slope_x[i] +
-                                          double{a.share.slope_y[i]} * a.ground.slope_y[i]);
-    const double ground = a.share.value[i] * (light.mean + a.ground.value[i]) + blended;
-    const double own = s - light.mean * a.share.value[i];
-    const double r = a.level[i] - here * own - light.ground * ground;
-    // step: M moves with the part's centre, the platform stays.
-    EXPECT_NEAR(
-        formed.step_x[i],
-        -here * a.part.slope_x[i] - (light.ground * (light.mean + a.ground.value[i]) - light.mean * here) *
-                                        double{a.share.slope_x[i]},
-        1e-4 * (1 + std::abs(formed.step_x[i])))
-        << i;
-    const std::array<double, kLayerColumns> jacobian = {formed.step_x[i], formed.step_y[i], own,
-                                                        own * a.u[i],     own * a.v[i],     ground};
-    for (int j = 0, at = 0; j < kLayerColumns; ++j) {
-      const auto sj = static_cast<std::size_t>(j);
-      slow_force[sj].add(w * jacobian[sj] * r);
-      for (int k = j; k < kLayerColumns; ++k, ++at)
-        slow_normal[static_cast<std::size_t>(at)].add(w * jacobian[sj] *
-                                                      jacobian[static_cast<std::size_t>(k)]);
-    }
-    squares.add(w * r * r);
-    for (std::size_t j = 0; j < jacobian.size(); ++j)
-      slow_scores[i / kTilePixels][j].add(w * jacobian[j] * r);
-  }
-  for (int j = 0, at = 0; j < kLayerColumns; ++j) {
-    slow_force[static_cast<std::size_t>(j)].expect(force.force[static_cast<std::size_t>(j)], "force",
-                                                   static_cast<std::size_t>(j));
-    for (int k = j; k < kLayerColumns; ++k, ++at)
-      slow_normal[static_cast<std::size_t>(at)].expect(normal[static_cast<std::size_t>(at)], "normal",
-                                                       static_cast<std::size_t>(at));
-  }
-  squares.expect(force.squares, "squares");
-  for (std::size_t t = 0; t < kTiles; ++t) {
-    const LayerForce of_tile = layer_force(formed, light, t, t + 1);
-    for (std::size_t j = 0; j < kLayerColumns; ++j)
-      slow_scores[t][j].expect(of_tile.force[j], "score", kLayerColumns * t + j);
   }
 }
 

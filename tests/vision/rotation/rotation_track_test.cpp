@@ -111,14 +111,6 @@ TEST(RotationTrack, ScattersFromFrameToFrameAsItsSdSays) {
   EXPECT_GT(std::sqrt(square / variance), 0.7);
 }
 
-TEST(RotationTrack, WithoutTextureSeesNothing) {
-  Spinning s;
-  s.scene.disc.scratches = 0;
-  s.theta = [](double k) { return 0.05 * k; };
-  RenderedSource source = s.source();
-  EXPECT_TRUE(follow_rotation(source, s.placed(), 22, 0.8).empty());
-}
-
 TEST(RotationTrack, StandsInTheTrackWhereATextureShowsIt) {
   for (const int scratches : {30, 0}) {
     Spinning s;
