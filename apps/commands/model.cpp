@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -16,7 +15,7 @@
 #include "apps/program/streams.h"
 #include "apps/simulating/simulation.h"
 #include "apps/simulating/sweep.h"
-#include "apps/text/number_text.h"
+#include "apps/text/csv_table.h"
 #include "apps/text/output_file.h"
 #include "model/plan.h"
 #include "model/trajectory.h"
@@ -57,32 +56,6 @@ void add_parameters(CLI::App& command, GivenScenario& given) {
              "motion (default rest)");
 }
 
-std::string table_of(const model::Trajectory& trajectory, int samples_per_cycle) {
-  std::string table = "time_s,x_mm,y_mm,vx_mm_s,vy_mm_s,mu,state\n";
-  for_each_row(trajectory, samples_per_cycle, [&](const SimulatedRow& row) {
-    table += fmt::format("{},{},{},{},{},{},{}\n", row.time_s, row.x_mm, row.y_mm, row.vx_mm_s, row.vy_mm_s,
-                         row.mu, row.state);
-  });
-  return table;
-}
-
-/// To the caller: the rows of the table, column by column.
-void hand_over(const model::Trajectory& trajectory, int samples_per_cycle, const Context& context) {
-  constexpr std::array names = {"time_s", "x_mm", "y_mm", "vx_mm_s", "vy_mm_s", "mu"};
-  std::array<std::vector<double>, names.size()> columns;
-  std::vector<const char*> states;
-  for_each_row(trajectory, samples_per_cycle, [&](const SimulatedRow& row) {
-    context.tell("simulate", 0, 1);
-    const std::array values = {row.time_s, row.x_mm, row.y_mm, row.vx_mm_s, row.vy_mm_s, row.mu};
-    for (std::size_t k = 0; k < values.size(); ++k) columns[k].push_back(values[k]);
-    states.push_back(row.state);
-  });
-  for (std::size_t k = 0; k < names.size(); ++k)
-    context.called->columns.emplace_back(names[k], std::move(columns[k]));
-  context.called->columns.emplace_back("state", std::move(states));
-  context.called->object = simulation_json(trajectory);
-}
-
 void simulate(const SimulateOptions& options, const Context& context) {
   const ScenarioFile file = scenario_of(options.given);
   check_output(options.output, options.json, {options.given.file});
@@ -99,8 +72,13 @@ void simulate(const SimulateOptions& options, const Context& context) {
                       stage.on ? "" : fmt::format("; error at most {:.2g} mm", 1e3 * stage.error_bound)));
 
   const model::Trajectory trajectory = model::integrate(file.scenario);
-  if (context.called) return hand_over(trajectory, file.samples_per_cycle, context);
   const Json results = simulation_json(trajectory);
+  if (context.called) {
+    context.tell("simulate", 1, 1);
+    context.called->columns = columns_of(trajectory, file.samples_per_cycle);
+    context.called->object = results;
+    return;
+  }
   if (!options.output.empty()) {
     MetaFile meta;
     meta.command = "simulate";
@@ -114,7 +92,7 @@ void simulate(const SimulateOptions& options, const Context& context) {
                                    {"on", stage.on},
                                    {"reason", stage.reason},
                                    {"error_bound_m", stage.error_bound}});
-    write_result(options.output, table_of(trajectory, file.samples_per_cycle), meta);
+    write_result(options.output, csv_of(columns_of(trajectory, file.samples_per_cycle)), meta);
   }
   if (options.json) {
     print_text(text_of(results));
@@ -157,33 +135,28 @@ struct SweepOptions {
   bool json = false;
 };
 
-using Columns = std::vector<std::pair<std::string, const std::vector<double>*>>;
-
-Columns columns_of(const SweptModel& solved) {
-  return {{"alpha_rad", &solved.alpha_rad},
-          {"v_mm_s", &solved.v_mm_s},
-          {"steady_alpha_rad", &solved.steady_alpha_rad},
-          {"steady_v_mm_s", &solved.steady_v_mm_s}};
-}
-
-/// To the caller: the values of each axis, and the grid.
-void hand_over(const Sweep& sweep, const SweptModel& solved, Called& called) {
-  for (const SweepAxis& axis : sweep.axes()) {
+/// A column for each axis, of its value in every scenario or, `alone`, of its values, then what was solved.
+Columns columns_of(const Sweep& sweep, SweptModel solved, bool alone) {
+  Columns columns;
+  for (std::size_t axis = 0; axis < sweep.axes().size(); ++axis) {
+    const SweepAxis& swept = sweep.axes()[axis];
     std::vector<double> values;
-    for (std::size_t k = 0; k < axis.count(); ++k) values.push_back(axis.value(k));
-    called.columns.emplace_back(axis.name(), std::move(values));
+    for (std::size_t k = 0; k < (alone ? swept.count() : sweep.count()); ++k)
+      values.push_back(alone ? swept.value(k) : sweep.value(k, axis));
+    columns.emplace_back(swept.name(), std::move(values));
   }
-  for (const auto& [name, column] : columns_of(solved)) called.columns.emplace_back(name, *column);
+  columns.emplace_back("alpha_rad", std::move(solved.alpha_rad));
+  columns.emplace_back("v_mm_s", std::move(solved.v_mm_s));
+  columns.emplace_back("steady_alpha_rad", std::move(solved.steady_alpha_rad));
+  columns.emplace_back("steady_v_mm_s", std::move(solved.steady_v_mm_s));
+  return columns;
 }
 
 /// One list for each column of the table; null for "no value".
-Json lists_of(const Sweep& sweep, const SweptModel& solved) {
+Json lists_of(const Columns& columns) {
   Json json;
-  for (std::size_t index = 0; index < sweep.count(); ++index)
-    for (std::size_t axis = 0; axis < sweep.axes().size(); ++axis)
-      json[sweep.axes()[axis].name()].push_back(sweep.value(index, axis));
-  for (const auto& [name, column] : columns_of(solved))
-    for (const double value : *column) json[name].push_back(finite_json(value));
+  for (const auto& [name, column] : columns)
+    for (const double value : std::get<std::vector<double>>(column)) json[name].push_back(finite_json(value));
   return json;
 }
 
@@ -192,25 +165,20 @@ void run_sweep(const SweepOptions& options, const Context& context) {
   const auto& texts = options.over.empty() ? base.over : options.over;
   const Sweep sweep(base, sweep_axes(texts));
   check_output(options.output, options.json, {options.given.file});
-  const SweptModel solved = solve(sweep, context);
-  if (context.called) return hand_over(sweep, solved, *context.called);
-  if (options.json) print_text(text_of(lists_of(sweep, solved)));
-  std::string table;
-  for (const SweepAxis& axis : sweep.axes()) table += axis.name() + ",";
-  table += "alpha_rad,v_mm_s,steady_alpha_rad,steady_v_mm_s\n";
-  for (std::size_t index = 0; index < sweep.count(); ++index) {
-    for (std::size_t axis = 0; axis < sweep.axes().size(); ++axis)
-      table += compact(sweep.value(index, axis)) + ",";
-    table += fmt::format("{},{},{},{}\n", compact(solved.alpha_rad[index]), compact(solved.v_mm_s[index]),
-                         compact(solved.steady_alpha_rad[index]), compact(solved.steady_v_mm_s[index]));
+  SweptModel solved = solve(sweep, context);
+  const auto none = std::ranges::count_if(solved.steady_v_mm_s, [](double v) { return std::isnan(v); });
+  Columns columns = columns_of(sweep, std::move(solved), context.called != nullptr);
+  if (context.called) {
+    context.called->columns = std::move(columns);
+    return;
   }
+  if (options.json) print_text(text_of(lists_of(columns)));
   MetaFile meta;
   meta.command = "sweep";
   if (!options.given.file.empty()) meta.inputs = {hashed_input(options.given.file)};
   meta.configuration = json_of(base.scenario);
   meta.configuration["over"] = texts;
-  write_result(options.output, table, meta);
-  const auto none = std::ranges::count_if(solved.steady_v_mm_s, [](double v) { return std::isnan(v); });
+  write_result(options.output, csv_of(columns, compact), meta);
   say(context.quiet,
       fmt::format("{}: {} scenarios, {} without a steady motion", options.output, sweep.count(), none));
 }

@@ -136,23 +136,7 @@ std::vector<std::filesystem::path> inputs_of(const TrackCommandOptions& options,
 
 /// To the caller: the table column by column, and what stands in its meta file.
 void hand_over(const Recording& recording, Called& called) {
-  std::vector<std::int64_t> frames;
-  std::vector<double> times;
-  for (const TrackRow& row : recording.rows.rows) {
-    frames.push_back(row.frame);
-    times.push_back(row.time_s);
-  }
-  called.columns = {{"frame", std::move(frames)}, {"time_s", std::move(times)}};
-  for_each_column(recording.rows, [&](const char* name, double TrackRow::*number) {
-    std::vector<double> values;
-    std::vector<const char*> words;
-    for (const TrackRow& row : recording.rows.rows)
-      number != nullptr ? values.push_back(row.*number) : words.push_back(vision::to_string(row.status));
-    if (number != nullptr)
-      called.columns.emplace_back(name, std::move(values));
-    else
-      called.columns.emplace_back(name, std::move(words));
-  });
+  called.columns = columns_of(recording.rows);
   called.object["meta"] = meta_of(recording).json();
   called.object["meta"]["result_xxh3_128"] = hash_of_text(track_csv(recording.rows));  // as write_result()
 }

@@ -8,8 +8,6 @@
 #include <utility>
 
 #include "apps/program/errors.h"
-#include "apps/text/csv_table.h"
-#include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 
@@ -20,14 +18,14 @@ constexpr double kBeyondAllPictures = 1e9;
 
 enum class Group { always, rotation, marker, gate, planes };
 
-struct Column {
+struct RowColumn {
   const char* name;
   double TrackRow::*number;  ///< null: the status
   Group group = Group::always;
 };
 
 /// After `frame` and `time_s`, in the file's order.
-constexpr std::array<Column, 22> kColumns = {
+constexpr std::array<RowColumn, 22> kColumns = {
     {{"x_px", &TrackRow::x_px},
      {"y_px", &TrackRow::y_px},
      {"sigma_x_px", &TrackRow::sigma_x_px},
@@ -57,13 +55,6 @@ bool holds(const TrackRows& rows, Group group) {
          (group == Group::planes && rows.has_planes);
 }
 
-std::string header_of(const TrackRows& rows) {
-  std::string header = "frame,time_s";
-  for (const Column& column : kColumns)
-    if (holds(rows, column.group)) header += std::string(",") + column.name;
-  return header;
-}
-
 void put_millimetres(TrackRow& row, const vision::PlacedPoint& point, bool planes) {
   const Eigen::Matrix2d& c = point.covariance;
   row.x_mm = as_written(point.mm.x());
@@ -80,7 +71,7 @@ void put_millimetres(TrackRow& row, const vision::PlacedPoint& point, bool plane
 
 int known_in(const Cells& cells) {
   return static_cast<int>(std::ranges::count_if(cells, [](std::string_view cell) {
-    return cell == "frame" || cell == "time_s" || std::ranges::count(kColumns, cell, &Column::name) > 0;
+    return cell == "frame" || cell == "time_s" || std::ranges::count(kColumns, cell, &RowColumn::name) > 0;
   }));
 }
 
@@ -91,7 +82,7 @@ class Places {
     for (const char* needed : {"frame", "time_s", "status", "x_mm", "y_mm", "sigma_x_mm", "sigma_y_mm"})
       if (!has(needed))
         table.fail(
-            fmt::format("has no column `{}`: {}; a track has {}", needed, table.holds(), header_of({})));
+            fmt::format("has no column `{}`: {}; a track has {}", needed, table.holds(), track_csv({})));
     frame_ = place_of("frame");
     time_ = place_of("time_s");
     for (std::size_t k = 0; k < kColumns.size(); ++k) places_[k] = place_of(kColumns[k].name);
@@ -135,7 +126,7 @@ class Places {
       if (cell == vision::to_string(status)) return status;
     table.fail(cell, fmt::format("`{}` is no status; it must be ok, lost, edge or repeat", cell));
   }
-  static double number_of(const CsvTable& table, std::string_view cell, const Column& column) {
+  static double number_of(const CsvTable& table, std::string_view cell, const RowColumn& column) {
     double value = 0;
     try {
       value = table.number(cell);
@@ -199,24 +190,26 @@ TrackRows track_rows(const vision::Track& track, const std::optional<vision::Pla
   return table;
 }
 
-void for_each_column(const TrackRows& rows,
-                     const std::function<void(const char* name, double TrackRow::*number)>& visit) {
-  for (const Column& column : kColumns)
-    if (holds(rows, column.group)) visit(column.name, column.number);
+Columns columns_of(const TrackRows& table) {
+  const auto values = [&](const auto& of) {
+    std::vector<decltype(of(TrackRow()))> all;
+    for (const TrackRow& row : table.rows) all.push_back(of(row));
+    return all;
+  };
+  Columns columns = {{"frame", values([](const TrackRow& row) { return row.frame; })},
+                     {"time_s", values([](const TrackRow& row) { return row.time_s; })}};
+  for (const auto& [name, number, group] : kColumns) {
+    if (!holds(table, group)) continue;
+    if (number == nullptr)
+      columns.emplace_back(name, values([](const TrackRow& row) { return vision::to_string(row.status); }));
+    else
+      columns.emplace_back(name, values([of = number](const TrackRow& row) { return row.*of; }));
+  }
+  return columns;
 }
 
 std::string track_csv(const TrackRows& table) {
-  std::string csv = header_of(table) + "\n";
-  for (const TrackRow& row : table.rows) {
-    csv += fmt::format("{},{}", row.frame, exact(row.time_s));
-    for (const Column& column : kColumns) {
-      if (!holds(table, column.group)) continue;
-      csv += ',';
-      csv += column.number == nullptr ? vision::to_string(row.status) : compact(row.*column.number);
-    }
-    csv += '\n';
-  }
-  return csv;
+  return csv_of(columns_of(table));
 }
 
 TrackRows read_track_rows(const std::filesystem::path& path, std::string text) {

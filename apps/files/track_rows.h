@@ -3,12 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/text/csv_table.h"
 #include "vision/millimetres.h"
 #include "vision/track.h"
 
@@ -43,12 +43,8 @@ struct TrackRows {
 TrackRows track_rows(const vision::Track& track, const std::optional<vision::PlaneGeometry>& geometry,
                      double xi_axis_rad, bool pixels = true);
 
-/// Visits the columns that a table has, in the file's order, after `frame` and `time_s`; `number` is null for
-/// the status.
-void for_each_column(const TrackRows& rows,
-                     const std::function<void(const char* name, double TrackRow::*number)>& visit);
-
-/// The CSV, columns as the interface promises.
+/// The columns that a table has, in the order and under the names that the interface promises, and its CSV.
+Columns columns_of(const TrackRows& rows);
 std::string track_csv(const TrackRows& rows);
 
 /// Reads a CSV's text; `path` stands in messages. Columns may be in any order, others are ignored. Throws

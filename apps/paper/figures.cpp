@@ -113,14 +113,10 @@ struct Path {
 };
 
 Path path_of(const Source& source, std::size_t index) {
-  Path path;
-  for_each_row(model::integrate(source.sweep.scenario(index)), source.file.samples_per_cycle,
-               [&path](const SimulatedRow& row) {
-                 path.time_s.push_back(row.time_s);
-                 path.x_mm.push_back(row.x_mm);
-                 path.y_mm.push_back(row.y_mm);
-               });
-  return path;
+  const Columns table =
+      columns_of(model::integrate(source.sweep.scenario(index)), source.file.samples_per_cycle);
+  const auto column = [&table](std::size_t k) { return std::get<Values>(table[k].second); };
+  return {column(0), column(1), column(2)};
 }
 
 Panel path_panel(const std::string& title) {

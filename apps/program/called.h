@@ -15,6 +15,10 @@
 
 namespace tribotrack::apps {
 
+/// A table column by column. NaN: no value.
+using Column = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<const char*>>;
+using Columns = std::vector<std::pair<std::string, Column>>;
+
 struct Called {
   // Given.
   std::function<std::shared_ptr<vision::FrameSource>(double frame_rate_hz)> frames;  ///< of `track`
@@ -22,8 +26,7 @@ struct Called {
   fit::Json input;
 
   // Results.
-  using Column = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<const char*>>;
-  std::vector<std::pair<std::string, Column>> columns;  ///< NaN: no value
+  Columns columns;
   fit::Json object = fit::Json::object();
   std::vector<std::string> doubts;  ///< why the results should not be used as they are
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -98,17 +99,25 @@ Json simulation_json(const model::Trajectory& trajectory) {
   return json;
 }
 
-void for_each_row(const model::Trajectory& trajectory, int samples_per_cycle,
-                  const std::function<void(const SimulatedRow&)>& visit) {
+Columns columns_of(const model::Trajectory& trajectory, int samples_per_cycle) {
+  constexpr std::array kNames = {"time_s", "x_mm", "y_mm", "vx_mm_s", "vy_mm_s", "mu"};
+  std::array<std::vector<double>, kNames.size()> numbers;
+  std::vector<const char*> states;
   const auto count = static_cast<long>(intervals_of(trajectory.scenario(), samples_per_cycle));
   for (long k = 0; k <= count; ++k) {
     const double time = k == count
                             ? trajectory.end_time()
                             : trajectory.end_time() * static_cast<double>(k) / static_cast<double>(count);
     const model::Sample s = trajectory.at(time);
-    visit({s.time, s.position.x() * 1e3, s.position.y() * 1e3, s.velocity.x() * 1e3, s.velocity.y() * 1e3,
-           s.mu, s.state == model::State::slip ? "slip" : "stick"});
+    const Eigen::Vector2d mm = 1e3 * s.position, mm_s = 1e3 * s.velocity;
+    const std::array row = {s.time, mm.x(), mm.y(), mm_s.x(), mm_s.y(), s.mu};
+    for (std::size_t i = 0; i < row.size(); ++i) numbers[i].push_back(row[i]);
+    states.push_back(s.state == model::State::slip ? "slip" : "stick");
   }
+  Columns columns;
+  for (std::size_t i = 0; i < kNames.size(); ++i) columns.emplace_back(kNames[i], std::move(numbers[i]));
+  columns.emplace_back("state", std::move(states));
+  return columns;
 }
 
 void require_sensible_table(const std::string& name, const model::Scenario& scenario, int samples_per_cycle) {

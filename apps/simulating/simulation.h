@@ -1,13 +1,13 @@
 // What a run of the model is asked for: a scenario file, and values that stand in place of the file's.
 #pragma once
 
-#include <functional>
 #include <list>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "apps/files/scenario_file.h"
+#include "apps/program/called.h"
 #include "apps/text/json.h"
 #include "model/trajectory.h"
 
@@ -36,17 +36,9 @@ ScenarioFile scenario_of(const GivenScenario& given);
 /// The object `simulate --json` prints.
 Json simulation_json(const model::Trajectory& trajectory);
 
-/// A row of the table.
-struct SimulatedRow {
-  double time_s = 0;
-  double x_mm = 0, y_mm = 0, vx_mm_s = 0, vy_mm_s = 0;  ///< relative to the platform
-  double mu = 0;
-  const char* state = "slip";  ///< or "stick"
-};
-
-/// Visits the rows in the order of time: evenly over the run, its first and last moment included.
-void for_each_row(const model::Trajectory& trajectory, int samples_per_cycle,
-                  const std::function<void(const SimulatedRow&)>& visit);
+/// time_s, x_mm, y_mm, vx_mm_s, vy_mm_s, all relative to the platform, mu, and state, "slip" or "stick":
+/// evenly over the run, its first and last moment included.
+Columns columns_of(const model::Trajectory& trajectory, int samples_per_cycle);
 
 /// Before the work: a table may grow beyond any disk. Throws InvalidInput; `name` begins its message.
 void require_sensible_table(const std::string& name, const model::Scenario& scenario, int samples_per_cycle);

@@ -21,7 +21,6 @@
 #include "apps/program/errors.h"
 #include "apps/text/angle.h"
 #include "apps/text/input_file.h"
-#include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 
@@ -106,6 +105,23 @@ std::string csv_of(const std::vector<Json>& rows) {
     csv += fmt::format("{}\n", fmt::join(cells, ","));
   }
   return csv;
+}
+
+std::string csv_of(const Columns& columns, std::string (*number)(double)) {
+  std::string csv;
+  for (const auto& [name, column] : columns) csv += (csv.empty() ? "" : ",") + name;
+  const auto rows = std::visit([](const auto& values) { return values.size(); }, columns.front().second);
+  for (std::size_t row = 0; row < rows; ++row) {
+    char before = '\n';
+    for (const auto& [name, column] : columns) {
+      csv += std::exchange(before, ',');
+      if (const auto* numbers = std::get_if<std::vector<double>>(&column))
+        csv += number((*numbers)[row]);
+      else
+        csv += std::visit([row](const auto& values) { return fmt::format("{}", values[row]); }, column);
+    }
+  }
+  return csv + "\n";
 }
 
 namespace {

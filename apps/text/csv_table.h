@@ -8,7 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/program/called.h"
 #include "apps/text/json.h"
+#include "apps/text/number_text.h"
 
 namespace tribotrack::apps {
 
@@ -20,6 +22,7 @@ std::string cell_text(const Json& value);
 
 /// Rows, objects of the same keys, as CSV; the keys are the header.
 std::string csv_of(const std::vector<Json>& rows);
+std::string csv_of(const Columns& columns, std::string (*number)(double) = exact);
 
 // The heading of a table's column as people write it: "alpha_sd_deg", "v (mm/s)", "sigma x [px]".
 

@@ -28,7 +28,7 @@ struct Channel {
 };
 
 /// Where a row holds what.
-struct Columns {
+struct TraceColumns {
   std::vector<Channel> channels;
   std::optional<std::size_t> time = {};  ///< empty: values alone
   double second = 1;                     ///< s to one of the time's unit
@@ -110,7 +110,7 @@ void add_channel(const CsvTable& table, std::size_t column, std::vector<Channel>
 
 /// Without a header: settings in three columns beside the numbers, from the first line on. Those of later
 /// lines are not needed: time and voltage are in s and V.
-Columns tektronix_tds(CsvTable& table, ScopeFile& file) {
+TraceColumns tektronix_tds(CsvTable& table, ScopeFile& file) {
   constexpr std::size_t kTime = 3, kValue = 4;
   if (!table.next() || lower(table.cells().front()) != "record length" || table.filled() <= kValue)
     throw InvalidInput(
@@ -121,11 +121,11 @@ Columns tektronix_tds(CsvTable& table, ScopeFile& file) {
 }
 
 /// Layouts without a time column.
-Columns by_settings(CsvTable& table, ScopeFile& file) {
+TraceColumns by_settings(CsvTable& table, ScopeFile& file) {
   const Cells& names = table.header();
   const bool in_row = names.front() == "X";
   file.layout = in_row ? "Rigol DS1000Z" : "Rigol MSO5000";
-  Columns columns;
+  TraceColumns columns;
   for (std::size_t k = 0; k < names.size(); ++k)
     if (names[k].starts_with("CH")) add_channel(table, k, columns.channels);
   const std::size_t channels = columns.channels.size();
@@ -144,8 +144,8 @@ Columns by_settings(CsvTable& table, ScopeFile& file) {
   return columns;
 }
 
-Columns by_time(const CsvTable& table, ScopeFile& file) {
-  Columns columns;
+TraceColumns by_time(const CsvTable& table, ScopeFile& file) {
+  TraceColumns columns;
   std::size_t time = 0;
   for (std::size_t k = table.header().size(); k-- > 0;)
     if (means_time(table.heading(k), k)) time = k;
@@ -170,7 +170,7 @@ Columns by_time(const CsvTable& table, ScopeFile& file) {
 }
 
 /// Reads the lines above the numbers, and rows of settings among the first.
-Columns read_header(CsvTable& table, ScopeFile& file) {
+TraceColumns read_header(CsvTable& table, ScopeFile& file) {
   const Cells& names = table.header();
   if (names.empty()) return tektronix_tds(table, file);
   return names.front() == "X" || !stated(names, "tInc").empty() ? by_settings(table, file)
@@ -188,7 +188,7 @@ double voltage(const CsvTable& table, std::string_view cell) {
 
 /// Appends the line's values. A line without all of them may stand before the first whole one, as Keysight
 /// writes it, and after the last: false.
-bool append(const CsvTable& table, const Columns& columns, ScopeFile& file) {
+bool append(const CsvTable& table, const TraceColumns& columns, ScopeFile& file) {
   const Cells& cells = table.cells();
   const std::size_t last = columns.channels.back().column;
   const auto empty = std::ranges::count_if(columns.channels, [&](const Channel& channel) {
@@ -252,7 +252,7 @@ ScopeFile read_scope_file(const std::filesystem::path& path) {
   ScopeFile file;
   file.input = hashed_input(path, text);
   CsvTable table(path, std::move(text), known_in);
-  const Columns columns = read_header(table, file);
+  const TraceColumns columns = read_header(table, file);
   for (const Channel& channel : columns.channels) file.names.push_back(channel.name);
   file.channels.resize(file.names.size());
   std::vector<double> times;
