@@ -137,63 +137,55 @@ namespace {
       "--over {}: must read NAME=FROM:TO:COUNT, such as phi_rad=0:2pi:73, or NAME=VALUE,VALUE,...", text);
 }
 
-void refuse_degrees(const std::string& text, const std::string& name, double value) {
-  if (!name.ends_with("_rad")) return;
-  if (const std::string slip = angle_slip(value); !slip.empty())
-    throw UsageError("--over {}: {} {}", text, name, slip);
+/// Of an angle in degrees, too.
+void require_values(const std::string& text, const std::string& name, const std::vector<double>& values) {
+  if (values.empty()) throw UsageError("--over {}: has no values", text);
+  for (const double value : values) {
+    if (!std::isfinite(value)) throw UsageError("--over {}: {} is no value", text, value);
+    const std::string slip = name.ends_with("_rad") ? angle_slip(value) : "";
+    if (!slip.empty()) throw UsageError("--over {}: {} {}", text, name, slip);
+  }
 }
 
-std::vector<double> listed_values(const std::string& text, std::string_view list) {
-  std::vector<double> values;
-  for (const std::string& part : parts_of(list, ',')) {
-    const auto value = parse_angle(part);
-    if (!value) refuse(text);
-    values.push_back(*value);
-  }
+double value_in(const std::string& text, std::string_view part) {
+  const auto value = parse_angle(part);
+  if (!value) refuse(text);
+  return *value;
+}
+
+/// FROM:TO:COUNT.
+std::vector<double> range_in(const std::string& text, const std::vector<std::string>& parts) {
+  if (parts.size() != 3) refuse(text);
+  const double from = value_in(text, parts[0]), to = value_in(text, parts[1]);
+  const auto count = parse_number(parts[2]);
+  if (!count) refuse(text);
+  if (*count < 1 || *count > kMostScenarios || *count != std::floor(*count))
+    throw UsageError("--over {}: the count, its last number, must be a whole number, 1 to {:.0f}, not {}",
+                     text, kMostScenarios, *count);
+  std::vector<double> values(static_cast<std::size_t>(*count), from);
+  for (std::size_t k = 1; k < values.size(); ++k)
+    values[k] = from + (to - from) * static_cast<double>(k) / (*count - 1);
   return values;
 }
 
 }  // namespace
 
 SweepAxis::SweepAxis(std::string name, std::vector<double> values)
-    : name_(std::move(name)), text_(name_), count_(values.size()), listed_(std::move(values)) {
-  if (listed_.empty()) throw UsageError("--over {}: has no values", name_);
-  for (const double value : listed_) {
-    if (!std::isfinite(value)) throw UsageError("--over {}: {} is no value", name_, value);
-    refuse_degrees(text_, name_, value);
-  }
+    : name_(std::move(name)), text_(name_), values_(std::move(values)) {
+  require_values(text_, name_, values_);
 }
 
 SweepAxis::SweepAxis(const std::string& text) : text_(text) {
   const auto equals = text.find('=');
   if (equals == std::string::npos) refuse(text);
   name_ = text.substr(0, equals);
-  const auto first = text.find(':', equals);
-  if (first == std::string::npos && text.find(',', equals) != std::string::npos) {
-    listed_ = listed_values(text, std::string_view(text).substr(equals + 1));
-    count_ = listed_.size();
-    for (const double value : listed_) refuse_degrees(text, name_, value);
-    return;
-  }
-  const auto second = first == std::string::npos ? first : text.find(':', first + 1);
-  if (second == std::string::npos) refuse(text);
-  const auto from = parse_angle(text.substr(equals + 1, first - equals - 1));
-  const auto to = parse_angle(text.substr(first + 1, second - first - 1));
-  const auto count = parse_number(text.substr(second + 1));
-  if (!from || !to || !count) refuse(text);
-  if (*count < 1 || *count > kMostScenarios || *count != std::floor(*count))
-    throw UsageError("--over {}: the count, its last number, must be a whole number, 1 to {:.0f}, not {}",
-                     text, kMostScenarios, *count);
-  for (const double end : {*from, *to}) refuse_degrees(text, name_, end);
-  from_ = *from;
-  to_ = *to;
-  count_ = static_cast<std::size_t>(*count);
-}
-
-double SweepAxis::value(std::size_t k) const {
-  if (!listed_.empty()) return listed_[k];
-  if (count_ == 1) return from_;
-  return from_ + (to_ - from_) * static_cast<double>(k) / static_cast<double>(count_ - 1);
+  const std::string_view given = std::string_view(text).substr(equals + 1);
+  const std::vector<std::string> list = parts_of(given, ',');
+  if (list.size() == 1 || given.find(':') != given.npos)
+    values_ = range_in(text, parts_of(given, ':'));
+  else
+    for (const std::string& part : list) values_.push_back(value_in(text, part));
+  require_values(text, name_, values_);
 }
 
 std::vector<SweepAxis> sweep_axes(const std::vector<std::string>& texts) {

@@ -25,14 +25,12 @@ class SweepAxis {
   const std::string& name() const { return name_; }
   /// As given; of listed values the name.
   const std::string& text() const { return text_; }
-  std::size_t count() const { return count_; }
-  double value(std::size_t k) const;
+  std::size_t count() const { return values_.size(); }
+  double value(std::size_t k) const { return values_[k]; }
 
  private:
   std::string name_, text_;
-  double from_ = 0, to_ = 0;
-  std::size_t count_ = 0;
-  std::vector<double> listed_;  ///< empty: evenly from `from_` to `to_`
+  std::vector<double> values_;
 };
 
 /// One or two axes. Throws UsageError for any other number, for two that mean the same, and for more than
