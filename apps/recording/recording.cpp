@@ -18,19 +18,16 @@ namespace tribotrack::apps {
 
 namespace {
 
-void set_chamfer(Recording& recording) {
-  const PartSection& part = recording.part;
-  if (part.chamfer_mm && part.diameter_mm)
-    recording.options.chamfer = *part.chamfer_mm / (0.5 * *part.diameter_mm);
-}
-
 /// What is followed, by [part] and [camera].
 void set_target(Recording& recording) {
   const CameraSection& camera = recording.camera;
-  recording.options.target = is_given(camera.target) ? camera.target : recording.part.target;
+  const PartSection& part = recording.part;
+  recording.options.target = is_given(camera.target) ? camera.target : part.target;
   recording.options.marker = camera.marker;
   if (camera.marker_px) recording.options.marker = {vision::MarkerChoice::Kind::circle, *camera.marker_px};
   recording.options.gate = camera.gate_px;
+  if (part.chamfer_mm && part.diameter_mm)
+    recording.options.chamfer = *part.chamfer_mm / (0.5 * *part.diameter_mm);
 }
 
 }  // namespace
@@ -47,7 +44,6 @@ Recording recording_of(const Campaign& campaign, const CampaignRun& run) {
     camera.mm_per_px_sd = run.mm_per_px_sd.value_or(0);
   }
   set_target(recording);
-  set_chamfer(recording);
   if (camera.mm_per_px) camera.calibration.reset();
   if (camera.mm_per_px || camera.calibration) camera.tag_mm.reset();
   if (camera.mm_per_px || camera.calibration || camera.tag_mm) recording.part.diameter_mm.reset();
@@ -148,7 +144,6 @@ Recording recording_of(const std::filesystem::path& video, const TrackChoices& c
   if (!choices.config.empty()) apply_config(recording, choices.config);
   apply_keys(choices, recording);
   set_target(recording);
-  set_chamfer(recording);
   recording.options.first_frame = choices.first_frame;
   recording.options.last_frame = choices.last_frame;
   recording.options.frame_step = choices.frame_step.value_or(1);
@@ -204,16 +199,6 @@ Json configuration_of(const Recording& recording, const std::optional<Input>& ca
   return json;
 }
 
-/// Hashes the inputs in this order, and remembers their state.
-Recording with_inputs(Recording recording, const std::vector<std::filesystem::path>& files) {
-  recording.state = InputState(files);
-  for (const auto& file : files)
-    recording.inputs.push_back(file == recording.video ? hashed_recording(file) : hashed_input(file));
-  recording.configuration = configuration_of(
-      recording, recording.camera.calibration ? std::optional(recording.inputs.back()) : std::nullopt);
-  return recording;
-}
-
 /// A rolling shutter reads a frame within the time of one, and a lamp's row is not the part's.
 void require_rows_in_time(const Recording& recording, const vision::SourceInfo& info) {
   if (recording.camera.row_time_s == 0) return;
@@ -266,7 +251,11 @@ Recording checked(Recording recording) {
   std::vector<std::filesystem::path> files;
   if (!recording.source) files.push_back(recording.video);
   if (recording.camera.calibration) files.push_back(*recording.camera.calibration);
-  recording = with_inputs(std::move(recording), files);
+  recording.state = InputState(files);
+  for (const auto& file : files)
+    recording.inputs.push_back(file == recording.video ? hashed_recording(file) : hashed_input(file));
+  recording.configuration = configuration_of(
+      recording, recording.camera.calibration ? std::optional(recording.inputs.back()) : std::nullopt);
   if (!recording.source)
     recording.key =
         hash_of_text(TRIBOTRACK_VERSION + recording.configuration.dump() + recording.inputs[0].xxh3_128);
