@@ -10,7 +10,6 @@
 #include "apps/files/campaign/keys.h"
 #include "apps/files/run_folder.h"
 #include "apps/files/tracks/any_track.h"
-#include "apps/measuring/measure_text.h"
 #include "apps/measuring/measure_track.h"
 #include "apps/program/called.h"
 #include "apps/program/errors.h"

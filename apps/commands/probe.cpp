@@ -8,7 +8,7 @@
 #include "apps/commands/command.h"
 #include "apps/files/run_folder.h"
 #include "apps/files/traces/scope_file.h"
-#include "apps/measuring/measure_text.h"
+#include "apps/measuring/measure_track.h"
 #include "apps/program/progress.h"
 #include "apps/program/streams.h"
 #include "apps/survey/campaign_draft.h"

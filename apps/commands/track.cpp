@@ -12,7 +12,7 @@
 #include "apps/files/campaign/campaign.h"
 #include "apps/files/run_folder.h"
 #include "apps/files/tracks/any_track.h"
-#include "apps/measuring/measure_text.h"
+#include "apps/measuring/measure_track.h"
 #include "apps/pipeline/line.h"
 #include "apps/program/called.h"
 #include "apps/program/progress.h"

@@ -1,9 +1,8 @@
-#include "apps/measuring/measure_text.h"
-
 #include <fmt/format.h>
 
 #include <numbers>
 
+#include "apps/measuring/measure_track.h"
 #include "apps/text/number_text.h"
 
 namespace tribotrack::apps {

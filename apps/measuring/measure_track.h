@@ -47,4 +47,8 @@ struct TrackMeasurement {
 /// fit::DataError where the track does not show what is asked for.
 TrackMeasurement measure_track(const std::string& name, const Track& track, const MeasureChoices& choices);
 
+/// For people, of the object that `measure --json` or `probe --json` prints every quantity, a line each, with
+/// units and rounded to the standard deviation. `within` begins their names.
+std::string measurement_text(const Json& json, const std::string& within = "");
+
 }  // namespace tribotrack::apps

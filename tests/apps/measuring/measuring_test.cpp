@@ -8,7 +8,6 @@
 #include <random>
 
 #include "apps/measuring/measure_run.h"
-#include "apps/measuring/measure_text.h"
 #include "apps/measuring/measure_track.h"
 #include "apps/program.h"
 #include "apps/text/json.h"
