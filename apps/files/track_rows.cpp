@@ -1,10 +1,12 @@
 #include "apps/files/track_rows.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 #include <utility>
 
 #include "apps/program/errors.h"
@@ -79,10 +81,11 @@ int known_in(const Cells& cells) {
 class Places {
  public:
   explicit Places(const CsvTable& table) : header_(table.header()) {
+    const Columns all = columns_of(TrackRows());
     for (const char* needed : {"frame", "time_s", "status", "x_mm", "y_mm", "sigma_x_mm", "sigma_y_mm"})
       if (!has(needed))
-        table.fail(
-            fmt::format("has no column `{}`: {}; a track has {}", needed, table.holds(), track_csv({})));
+        table.fail(fmt::format("has no column `{}`: {}; a track has {}", needed, table.holds(),
+                               fmt::join(all | std::views::keys, ",")));
     frame_ = place_of("frame");
     time_ = place_of("time_s");
     for (std::size_t k = 0; k < kColumns.size(); ++k) places_[k] = place_of(kColumns[k].name);

@@ -69,10 +69,9 @@ RunList read_run_list(const std::filesystem::path& path, std::string text,
 void add_listed_runs(Campaign& campaign);
 
 /// Adds a run for every point of the tables of alpha and v, its repeats pooled (fit::pool_points): lines of
-/// the same phi, dtau, A, w, start phase and cycles. A run bears its
-/// first line's name, or "alpha_v:7" by the table and its line. Says in Campaign::notes what was pooled and
-/// where sds came from. Throws InvalidInput naming file, line and remedy; where a line has no sd and nothing
-/// tells it, what could.
+/// the same phi, dtau, A, w, start phase and cycles. A run bears its first line's name, or "alpha_v:7" by the
+/// table and its line. Says in Campaign::notes what was pooled and where sds came from. Throws InvalidInput
+/// naming file, line and remedy; where a line has no sd and nothing tells it, what could.
 void add_table_runs(Campaign& campaign);
 
 }  // namespace tribotrack::apps
