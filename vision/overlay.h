@@ -49,8 +49,4 @@ std::vector<unsigned char> first_frame_jpeg(FrameSource& source, std::int64_t fr
 /// The survey's frame with a pixel grid, its discs numbered from 1 and its lamps from L1, as a PNG in memory.
 std::vector<unsigned char> survey_png(FrameSource& source, const Survey& seen);
 
-/// A frame with numbered circles, as a PNG in memory: the question which of them is the part.
-std::vector<unsigned char> numbered_discs_png(FrameSource& source, std::int64_t frame_number,
-                                              const std::vector<Circle>& discs);
-
 }  // namespace tribotrack::vision

@@ -11,6 +11,7 @@
 #include "apps/usage/commit.h"
 #include "vision/frame_sink.h"
 #include "vision/overlay.h"
+#include "vision/survey.h"
 
 namespace tribotrack::apps {
 
@@ -79,7 +80,11 @@ std::optional<std::string> diameter_warning(const Recording& recording, const vi
                       const std::optional<std::filesystem::path>& picture) {
   std::string text = fmt::format("{}: ", question.what());
   if (picture) {
-    const auto png = vision::numbered_discs_png(source, question.frame, question.discs);
+    vision::Survey seen;
+    seen.frame = question.frame;
+    for (const vision::Circle& disc : question.discs)
+      seen.discs.push_back({.circle = disc, .role = vision::DiscRole::part});
+    const auto png = vision::survey_png(source, seen);
     write_file(*picture, {reinterpret_cast<const char*>(png.data()), png.size()}, Content::pictures);
     text += fmt::format("look at {} and ", picture->string());
   }

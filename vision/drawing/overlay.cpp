@@ -250,18 +250,6 @@ std::vector<unsigned char> first_frame_jpeg(FrameSource& source, std::int64_t fr
   return jpeg_of(shown, kQuality);
 }
 
-std::vector<unsigned char> numbered_discs_png(FrameSource& source, std::int64_t frame_number,
-                                              const std::vector<Circle>& discs) {
-  const Picture frame = source.read(frame_number - source.info().first_number);
-  Canvas canvas(Stretch(frame)(frame), enlargement_for(source.info()));
-  for (std::size_t k = 0; k < discs.size(); ++k) {
-    canvas.circle({discs[k].x, discs[k].y}, discs[k].radius, kOutline);
-    canvas.label(discs[k], std::to_string(k + 1), kOutline);
-  }
-  canvas.text(0, "frame " + std::to_string(frame_number) + ": which of these is the part?", kText);
-  return png_of(canvas.image());
-}
-
 namespace {
 
 const cv::Scalar kGrid(255, 255, 160);

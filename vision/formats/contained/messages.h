@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -116,11 +115,6 @@ class Archive {
   void fields(std::vector<T>& values) {
     sequence(values);
   }
-  void fields(std::filesystem::path& path) {
-    std::string text = path.string();
-    (*this)(text);
-    path = text;
-  }
   template <class T>
   void fields(std::optional<T>& value) {
     bool there = value.has_value();
@@ -141,8 +135,9 @@ class Archive {
     all(c.rate_hz, c.jitter, c.uniform, c.variable, c.stretches, c.missing, c.strays);
   }
   void fields(TimeBase& t) { all(t.rate_hz, t.source, t.stamps_s, t.candidates, t.check); }
+  /// All but the path, which the parent knows.
   void fields(SourceInfo& i) {
-    all(i.path, i.format, i.codec, i.width, i.height, i.bits, i.colour, i.decoded, i.coder, i.frame_count,
+    all(i.format, i.codec, i.width, i.height, i.bits, i.colour, i.decoded, i.coder, i.frame_count,
         i.first_number, i.numbers, i.time_base, i.exposure_s, i.exposures_s, i.black_level, i.white_level,
         i.pixel_aspect, i.rotation_deg, i.camera, i.trigger_time, i.notes);
   }
