@@ -216,6 +216,9 @@ const std::vector<std::string> kOfAlphaV = {
     "alpha_sd_rad",   "v_mm_s", "v_sd_mm_s", "amplitude_mm", "angular_frequency_rad_s",
     "start_phase_rad"};
 
+/// What else is taken from a runs.csv.
+const std::vector<std::string> kInsteadOfAlpha = {"dx", "dy", "kind", "failure"};
+
 /// The columns of a table. Throws for a key that two of them give.
 std::vector<RunColumn> columns_of(const CsvTable& table, const std::vector<std::string>& only) {
   std::vector<RunColumn> columns;
@@ -265,13 +268,40 @@ RunList listed(const fs::path& path, Campaign& campaign, const std::vector<std::
   return list;
 }
 
+/// Failed runs and free slides of a runs.csv.
+bool is_left_out(const RunList::Line& line, std::vector<std::string>& notes) {
+  const bool failed = line.others.contains("failure"), slide = line.other("kind") == "free_slide";
+  if (failed || slide)
+    notes.push_back(
+        fmt::format("{}: left out: {}", line.place,
+                    failed ? "the run failed" : "a free slide has no alpha and v; give its track"));
+  return failed || slide;
+}
+
+/// Direction and its sd from the displacement, where a run of runs.csv has no alpha; of a part at rest any.
+void complete_alpha(RunList::Line& line) {
+  Json& keys = line.keys;
+  if (keys.contains("alpha_rad") || !keys.contains("v_mm_s")) return;
+  const auto dx = parse_number(line.other("dx")), dy = parse_number(line.other("dy"));
+  const double v = keys["v_mm_s"];
+  if (dx && dy && keys.contains("v_sd_mm_s")) {
+    keys["alpha_rad"] = std::atan2(*dy, *dx);
+    keys["alpha_sd_rad"] = v > 0 ? keys["v_sd_mm_s"].get<double>() / v : 1;
+  } else if (v == 0) {
+    keys["alpha_rad"] = 0;
+  }
+}
+
 /// The lines of all tables.
 std::vector<CampaignRun> lines_of(Campaign& campaign) {
   std::vector<CampaignRun> runs;
   for (const fs::path& path : campaign.data.tables) {
     const std::size_t before = runs.size();
-    for (const RunList::Line& line : listed(path, campaign, kOfAlphaV).lines)
+    for (RunList::Line& line : listed(path, campaign, kOfAlphaV).lines) {
+      if (is_left_out(line, campaign.notes)) continue;
+      complete_alpha(line);
       runs.push_back(run_of(line, campaign, /*with_sds=*/false));
+    }
     if (runs.size() == before)
       throw InvalidInput("{}: has no line of numbers under its header", path.string());
   }
@@ -296,15 +326,22 @@ RunList read_run_list(const fs::path& path, std::string text, const std::vector<
         path.string(), table.holds());
   RunList list;
   const std::vector<RunColumn> columns = columns_of(table, only);
-  for (std::size_t k = 0; k < columns.size(); ++k)
-    if (columns[k].key == nullptr && !table.header()[k].empty()) list.unused.emplace_back(table.header()[k]);
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const bool of_alpha = !only.empty() && std::ranges::count(kInsteadOfAlpha, table.heading(k).quantity) > 0;
+    if (columns[k].key == nullptr && !of_alpha && !table.header()[k].empty())
+      list.unused.emplace_back(table.header()[k]);
+  }
   if (!only.empty()) require_alpha_and_v(table, columns, list.unused);
   while (table.next()) {
-    RunList::Line line{table.place(), Json::object(), {}};
+    RunList::Line line{table.place(), Json::object(), {}, {}};
     for (std::size_t k = 0; k < std::min(table.filled(), columns.size()); ++k) {
       const std::string_view cell = table.cells()[k];
       const RunColumn& column = columns[k];
-      if (CsvTable::is_none(cell) || column.key == nullptr) continue;
+      if (CsvTable::is_none(cell)) continue;
+      if (column.key == nullptr) {
+        if (!table.heading(k).sd) line.others[table.heading(k).quantity] = table.with_point(cell);
+        continue;
+      }
       const Json value = value_in(table, cell, column);
       if (column.key->kind.is_sd() && value == 0) continue;  // exact
       line.keys[column.name] = value;

@@ -55,6 +55,12 @@ struct RunList {
     std::string place;  ///< "runs.csv:4"
     Json keys;
     Digits digits;  ///< of numbers, by the keys that they give, as the cells are written
+    std::map<std::string, std::string, std::less<>>
+        others;  ///< cells of columns of no key, by their quantity
+    std::string other(std::string_view quantity) const {
+      const auto found = others.find(quantity);
+      return found == others.end() ? "" : found->second;
+    }
   };
   std::vector<Line> lines;
   std::vector<std::string> unused;  ///< columns of no key
@@ -69,9 +75,11 @@ RunList read_run_list(const std::filesystem::path& path, std::string text,
 void add_listed_runs(Campaign& campaign);
 
 /// Adds a run for every point of the tables of alpha and v, its repeats pooled (fit::pool_points): lines of
-/// the same phi, dtau, A, w, start phase and cycles. A run bears its first line's name, or "alpha_v:7" by the
-/// table and its line. Says in Campaign::notes what was pooled and where sds came from. Throws InvalidInput
-/// naming file, line and remedy; where a line has no sd and nothing tells it, what could.
+/// the same phi, dtau, A, w, start phase and cycles. The runs.csv of `run` is such a table: its failed runs
+/// and free slides are left out, and where a run has no alpha its dx_mm and dy_mm give it. A run bears its
+/// first line's name, or "alpha_v:7" by the table and its line. Says in Campaign::notes what was pooled and
+/// where sds came from. Throws InvalidInput naming file, line and remedy; where a line has no sd and nothing
+/// tells it, what could.
 void add_table_runs(Campaign& campaign);
 
 }  // namespace tribotrack::apps
