@@ -68,6 +68,13 @@ struct Harmonic {
   bool seen() const { return amplitude.value > 4 * amplitude.sd || amplitude_y.value > 4 * amplitude_y.sd; }
 };
 
+/// From a row of the track on the platform is seen elsewhere, and at another time of its motion.
+struct MotionBreak {
+  std::size_t row = 0;
+  Eigen::Vector2d moved = Eigen::Vector2d::Zero();  ///< m
+  double ahead = 0;                                 ///< s; of frames that are missing as many intervals
+};
+
 /// The platform's motion by a sine fit to all frames of the marker, eq. (1): xi = A cos(wt), eta = A_y cos(wt
 /// + epsilon), wt = w time + phase_at_zero.
 struct PlatformMotion {
@@ -87,6 +94,8 @@ struct PlatformMotion {
   /// Relative, included in the sds of both amplitudes: what an unknown exposure can hide of them. All
   /// recordings of a camera share it.
   double exposure_doubt = 0;
+  /// A circle that is not one: amplitudes, w and phases are wrong by more than their sds.
+  std::optional<MotionBreak> broken;
   bool frequency_drifts() const;  ///< the drift stands above 4 sd
 };
 

@@ -261,6 +261,8 @@ void measure_again(const Campaign& campaign, Run& analysed) {
   scenario.start = run.start;
   scenario.cycles = run.cycles;
   if (measured != nullptr) {
+    if (const std::string broken = broken_motion(*analysed.track, *measured); !broken.empty())
+      throw fit::DataError(fmt::format("{}: {}", run.name, broken));
     if (!measured->displacement)
       throw InvalidInput(
           "{}: run \"{}\": angular_frequency_rad_s is neither given nor seen; give it in [platform], or "

@@ -242,6 +242,20 @@ RunMeasurement measure_run(const std::string& name, const Track& track, const Gi
   return m;
 }
 
+std::string broken_motion(const Track& track, const RunMeasurement& m) {
+  if (!m.platform || !m.platform->broken) return "";
+  const auto& [row, moved, ahead] = *m.platform->broken;
+  const std::vector<double>& time = track.table.time;
+  const double interval = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+  return fmt::format(
+      "the platform's motion breaks at frame {}: from there on it is {:.2g} frames ahead of its time and "
+      "seen "
+      "{:.2g} by {:.2g} mm aside, as where frames are missing in silence or the camera was knocked; track "
+      "the "
+      "frames before or after it (--frames)",
+      track.table.frame[row], ahead / interval, 1e3 * moved.x(), 1e3 * moved.y());
+}
+
 std::vector<std::string> differences(const std::string& name, const RunMeasurement& measured,
                                      const GivenConditions& given) {
   if (!measured.platform || !given.angular_frequency) return {};

@@ -65,6 +65,10 @@ struct RunMeasurement {
 /// given one); `name` stands in their messages.
 RunMeasurement measure_run(const std::string& name, const Track& track, const GivenConditions& given);
 
+/// Why amplitudes, w and phases measured are wrong: the platform's motion breaks off and goes on elsewhere.
+/// Empty where it does not.
+std::string broken_motion(const Track& track, const RunMeasurement& measured);
+
 /// Where a given w lies beyond five standard deviations of the measured one: a sentence.
 std::vector<std::string> differences(const std::string& name, const RunMeasurement& measured,
                                      const GivenConditions& given);

@@ -318,7 +318,9 @@ TrackMeasurement measure_track(const std::string& name, const Track& track, cons
                           ""};
   const TrackMotion motion = motion_of(track, measured.platform);
   put_motion(motion, result);
-  if (measured.coded && measured.coded->exceeds)
+  if (const std::string broken = broken_motion(track, measured); !broken.empty())
+    result.failure = fmt::format("{}: {}", name, broken);
+  else if (measured.coded && measured.coded->exceeds)
     result.failure = fmt::format(
         "{}: attenuation or delay by the codec exceeds the interval of what the track tells", name);
   else if (!motion.platform_seen && (measured.platform || !track.table.platform_frame))

@@ -101,7 +101,7 @@ std::vector<Candidate> magnitudes(const Typed& typed) {
     list.push_back({what, factor, std::move(undo)});
   };
   if (typed.amplitude)  // the usual one first
-    for (const double f : {0.5, 2.0, 1e3, 1e-3})
+    for (const double f : {0.5, 2.0, 10.0, 0.1, 1e3, 1e-3})
       add(amplitude, f, [f](Problem& problem) { scale_amplitude(problem, f); });
   if (typed.frequency)
     for (const double f : {2 * kPi, 1 / (2 * kPi)})

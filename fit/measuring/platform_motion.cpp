@@ -93,6 +93,7 @@ std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track) {
   if (!(fit.w > 0)) return std::nullopt;
 
   PlatformMotion motion;
+  motion.broken = internal::break_of(marker, fit);
   const double white = widen(fit, marker);
   const internal::SineResiduals left = internal::analyse_residuals(marker, fit, white);
   if (left.near_w > kColoured * white) fit.covariance *= left.near_w / white;

@@ -160,6 +160,43 @@ SineFit fit_sine(const MarkerSeries& marker, double start) {
   }
 }
 
+std::optional<MotionBreak> break_of(const MarkerSeries& marker, const SineFit& fit) {
+  constexpr std::size_t kAside = 6;              ///< frames on either side
+  constexpr double kMost = 0.7, kChance = 1e-6;  ///< a slow wander looks like a step, too, but leaves more
+  const std::size_t n = marker.size();
+  Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, 9> with_fit = Eigen::Matrix<double, 3, 9>::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  std::optional<MotionBreak> found;
+  double most = kMost * fit.chi2;
+  for (std::size_t i = n; i-- > kAside;) {
+    const double t = marker.time(i), weight = marker.weight(i);
+    const Eigen::Vector4d b = basis(t, fit.w);
+    for (int axis = 0; axis < 2; ++axis) {
+      const auto c = fit.coefficients.col(axis);
+      const double by_phase = c(3) * b(2) - c(2) * b(3);
+      Eigen::Matrix<double, 9, 1> row = Eigen::Matrix<double, 9, 1>::Zero();
+      row.segment<4>(4 * axis) = b;
+      row(8) = t * by_phase;
+      const Eigen::Vector3d moved(axis == 0, axis == 1, fit.w * by_phase);
+      own += weight * moved * moved.transpose();
+      with_fit += weight * moved * row.transpose();
+      right += weight * (marker.at(i)(axis) - b.dot(c)) * moved;
+    }
+    if (n - i < kAside) continue;
+    const Eigen::Matrix3d left = own - with_fit * fit.covariance * with_fit.transpose();
+    const Linear change = solved(left, right);
+    const double gain = right.dot(change.value);
+    if (!(gain > most) || !(left.diagonal().array() > 1e-6 * own.diagonal().array()).all()) continue;
+    most = gain;
+    found = {i, change.value.head<2>(), change.value(2)};
+  }
+  const double dof = 2.0 * static_cast<double>(n) - 12;
+  if (!found || dof < 1) return std::nullopt;
+  const double chance = chi2_survival(most / ((fit.chi2 - most) / dof), 3, dof);
+  return static_cast<double>(n) * chance < kChance ? found : std::nullopt;
+}
+
 namespace {
 
 constexpr int kLowestRepeating = 4;  ///< below it the drive's own eccentricity may be seen

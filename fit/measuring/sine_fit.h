@@ -48,6 +48,12 @@ struct SineFit {
 /// not looked for.
 SineFit fit_sine(const MarkerSeries& marker, double start = 0);
 
+/// Where the motion breaks, found among all frames: from there on it is moved and goes on at another time, as
+/// after a knock at the camera and after frames that are missing in silence. A column of x, of y and of time
+/// each are added to the fit; nothing where these do not take most of chi^2, or may by chance.
+/// `fit.covariance` as fit_sine() leaves it.
+std::optional<MotionBreak> break_of(const MarkerSeries& marker, const SineFit& fit);
+
 struct SineResiduals {
   double near_w = 1;  ///< power of the residuals beside w over that of white noise of the track's sigma
   /// Variance of a cosine or sine coefficient at w by errors that repeat every cycle, m^2: mean square of the

@@ -108,7 +108,7 @@ void fill_laws(const Unknowns& unknowns, const Eigen::VectorXd& values, const Un
   }
   if (!found.empty())
     result.warnings.push_back("The data show that friction departs from the paper's law: " + found +
-                              ". The values hold beside it; the curves drawn leave it out.");
+                              ". Values and intervals count it; the curves drawn leave it out.");
   const auto mu1 = unknowns.find(FitParameter::mu1);
   if (!mu1 || !of_speed) return;
   const auto viscous = unknowns.find(FitParameter::viscous), stribeck = unknowns.find(FitParameter::stribeck);

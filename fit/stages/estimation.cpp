@@ -171,10 +171,12 @@ void Estimation::evaluate_curvature(const Minimum& minimum) {
 }
 
 /// Degrees of freedom that the scatter between slides leaves to a parameter (Satterthwaite): few slides know
-/// it badly, where the mean rests on them.
+/// it badly, where the mean rests on them. Driven runs take a share of the variance away; what all slides
+/// share, as a tilt, adds one.
 double Estimation::by_slides(Eigen::Index parameter) const {
   if (!slides_ || slides_->dof < 1 || unknowns_.parameter(parameter) != FitParameter::mu1) return kInfinity;
-  const double share = std::min(1.0, slides_->information * uncertainty_.covariance(parameter, parameter));
+  const double by_scatter = slides_->information * uncertainty_.covariance(parameter, parameter);
+  const double share = std::min(by_scatter, 1 / by_scatter);
   return slides_->dof / (share * share);
 }
 

@@ -222,6 +222,51 @@ TEST(PlatformMotion, GapsDoNotSlipCycles) {
   EXPECT_LT(m->angular_frequency.sd, 1e-4);
 }
 
+TEST(PlatformMotion, ABreakIsFoundWhereFramesAreMissingInSilenceOrTheCameraIsKnocked) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const auto whole = marker_track(0.28e-3, 0.25e-3, 62.8, 0.3 * seed, pi / 2, 500, 0.5, 2e-6, seed);
+    const std::size_t n = whole.marker.size(), row = 20 + 10 * seed;
+    EXPECT_FALSE(measure_platform_motion(whole)->broken) << seed;
+    auto shorter = whole, knocked = whole;
+    shorter.marker.erase(shorter.marker.begin() + static_cast<long>(row));
+    shorter.time.pop_back(), shorter.frame.pop_back(), shorter.position.pop_back();
+    shorter.covariance.pop_back(), shorter.marker_sigma.pop_back();
+    const auto missing = measure_platform_motion(shorter)->broken;
+    ASSERT_TRUE(missing) << seed;
+    EXPECT_NEAR(static_cast<double>(missing->row), static_cast<double>(row), 2);
+    EXPECT_NEAR(missing->ahead, 1 / 500.0, 0.1 / 500);
+    EXPECT_LT(missing->moved.norm(), 4e-6);
+    const Eigen::Vector2d by(20e-6, -10e-6);
+    for (std::size_t i = row; i < n; ++i) knocked.marker[i] += by;
+    const auto moved = measure_platform_motion(knocked)->broken;
+    ASSERT_TRUE(moved) << seed;
+    EXPECT_NEAR(static_cast<double>(moved->row), static_cast<double>(row), 1);
+    EXPECT_LT((moved->moved - by).norm(), 4e-6);
+    EXPECT_NEAR(moved->ahead, 0, 0.1 / 500);
+  }
+}
+
+// What is wrong all along, or bit by bit, is no break.
+TEST(PlatformMotion, ADriftAndHarmonicsAreNoBreak) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    auto drifting = marker_track(0.28e-3, 0.28e-3, 62.8, 1, pi / 2, 500, 2, 2e-6, seed), eccentric = drifting,
+         noisy = drifting;
+    const auto slow = marker_track(0.28e-3, 0.28e-3, 62.8, 1, pi / 2, 500, 2, 0, seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal(0, 3e-6);
+    Eigen::Vector2d walk = Eigen::Vector2d::Zero();
+    for (std::size_t i = 0; i < slow.time.size(); ++i) {
+      const double t = slow.time[i], phase = 62.8 * t + 1 + 0.5 * t * t;
+      drifting.marker[i] = 0.28e-3 * Eigen::Vector2d(std::cos(phase), -std::sin(phase));
+      eccentric.marker[i] += 0.03e-3 * Eigen::Vector2d(std::cos(2 * phase), std::sin(2 * phase));
+      walk = 0.98 * walk + Eigen::Vector2d(normal(random), normal(random));
+      noisy.marker[i] += walk;
+    }
+    for (const auto* track : {&drifting, &eccentric, &noisy})
+      EXPECT_FALSE(measure_platform_motion(*track)->broken) << seed;
+  }
+}
+
 TEST(PlatformMotion, RestIsNoMotion) {
   EXPECT_FALSE(measure_platform_motion(marker_track(0, 0, 40, 1, 0.5, 300, 2, 1e-6, 3)));
   EXPECT_FALSE(measure_platform_motion(marker_track(0.5e-6, 0.5e-6, 40, 1, 0.5, 300, 2, 1e-6, 3)));
