@@ -111,6 +111,7 @@ FitResult estimate(const Problem& given, const FitOptions& wanted) {
     result.outliers = assumed.outliers;
     for (const Outlier& outlier : result.outliers) result.warnings.push_back(outlier.sentence);
     result.as_assumed = assumed.as_assumed;
+    result.contradicted_priors = assumed.contradicted_priors;
     result.quoted_under = quoted->under;
     result.agreement = agreement(result);
     widen(quoted->as_good, result);

@@ -55,6 +55,7 @@ void add_doubts(const FitResult& result, std::vector<std::string>& reasons) {
     reasons.push_back(result.outliers.size() == 1
                           ? "one run contradicts the others"
                           : fmt::format("{} runs contradict the others", result.outliers.size()));
+  reasons.insert(reasons.end(), result.contradicted_priors.begin(), result.contradicted_priors.end());
   if (result.minima.size() > 1) reasons.push_back("other values fit nearly as well");
 }
 
@@ -80,7 +81,9 @@ void judge(FitResult& result) {
   const bool robust = result.loss != Loss::squares;
   const bool by_tracking = tracks && !(driven_tracks && result.chi2 > kMostOfTracking * result.dof);
   if (rejected && result.quoted_under.empty() && !repeated && !by_tracking && !robust)
-    reasons.push_back(rejection(result) + ", and nothing looked at explains it");
+    reasons.push_back(rejection(result) + (result.contradicted_priors.empty()
+                                               ? ", and nothing looked at explains it"
+                                               : "; " + list_of(result.contradicted_priors)));
   if (!reasons.empty()) return;
   if (rejected && !result.quoted_under.empty())
     reasons.push_back(rejection(result) + "; the values hold under " + list_of(result.quoted_under));

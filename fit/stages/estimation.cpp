@@ -1,5 +1,7 @@
 #include "fit/stages/estimation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +11,7 @@
 #include "fit/checks/verdict.h"
 #include "fit/design/next_experiment.h"
 #include "fit/report/fill_result.h"
+#include "fit/rounding.h"
 #include "fit/tools/parameter_text.h"
 #include "fit/tools/statistics.h"
 #include "fit/uncertainty/budget.h"
@@ -203,6 +206,26 @@ std::vector<double> Estimation::quantiles() const {
   return t;
 }
 
+/// Deleted residuals of the priors of parameters, judged as chi^2 of one degree of freedom.
+std::vector<std::string> Estimation::contradicted_priors(const Eigen::VectorXd& values,
+                                                         const Eigen::MatrixXd& covariance) const {
+  std::vector<std::string> found;
+  for (Eigen::Index i = 0; i < unknowns_.reported(); ++i) {
+    const auto prior = unknowns_.prior(i);
+    if (!prior || !(prior->sd > 0)) continue;
+    const double variance = covariance(i, i), of_prior = prior->sd * prior->sd;
+    const double off = values(i) - prior->mean, left = 1 - variance / of_prior;
+    if (!(left > 1e-6) || chi2_survival(off * off / (of_prior * left), 1) >= kSurprise) continue;
+    const FitParameter parameter = unknowns_.parameter(i);
+    const double unit = display_factor(parameter);
+    found.push_back(
+        fmt::format("the prior of {}, {}, contradicts the data, which alone say about {}",
+                    to_string(parameter), quoted(unit * prior->mean, unit * prior->sd),
+                    quoted(unit * (prior->mean + off / left), unit * std::sqrt(variance / left))));
+  }
+  return found;
+}
+
 /// With the errors now known other minima may be as good, or better.
 void Estimation::find_other_minima() {
   minima_ = {best_};
@@ -272,7 +295,9 @@ FitResult Estimation::assumed() const {
   FitResult result = result_;
   const Minimum here = linearised(residuals_, minimum_);
   const Eigen::VectorXd values = unknowns_.values(fold_lag(unknowns_, minimum_.z));
-  result.as_assumed = estimates_under(unknowns_, values, uncertainty(unknowns_, values, here.at).covariance);
+  const Eigen::MatrixXd covariance = uncertainty(unknowns_, values, here.at).covariance;
+  result.as_assumed = estimates_under(unknowns_, values, covariance);
+  result.contradicted_priors = contradicted_priors(values, covariance);
   return result;
 }
 
@@ -360,6 +385,7 @@ FitResult Estimation::report() {
     result.bootstrap = {refits.converged, options_.bootstrap_seed};
     for (std::size_t i = 0; i < refits.ci95.size(); ++i) result.parameters[i].bootstrap_ci95 = refits.ci95[i];
   }
+  result.contradicted_priors = contradicted_priors(values_, uncertainty_.covariance);
   result.identifiability = identifiability(unknowns_, values_, uncertainty_, result.parameters);
   result.scatter_dominates = rejected() && result.scatter > kScatterShare * problem_.typical_displacement();
   if (result.scatter_dominates)

@@ -94,6 +94,8 @@ class Estimation {
   void evaluate_curvature(const Minimum& minimum);
   std::vector<double> quantiles() const;
   double by_slides(Eigen::Index parameter) const;
+  std::vector<std::string> contradicted_priors(const Eigen::VectorXd& values,
+                                               const Eigen::MatrixXd& covariance) const;
 
   const Problem& problem_;
   const BetweenSlides* slides_;

@@ -104,9 +104,20 @@ Quoted without_bad_runs(Problem problem, const std::vector<Outlier>& outliers) {
   return quoted;
 }
 
+/// Of unequal amplitudes one is as given: nobody said which, and with the other half of their ratio is wrong.
+void doubt_amplitude(double ratio, Problem& problem) {
+  const double half = 0.5 * std::abs(ratio) * Unknowns(problem).as_given(FitParameter::amplitude);
+  const auto known = std::ranges::find(problem.conditions, FitParameter::amplitude, &Condition::quantity);
+  if (known != problem.conditions.end())
+    known->sd = std::hypot(known->sd, half);
+  else
+    problem.conditions.push_back({FitParameter::amplitude, half, "which of the two it is"});
+}
+
 /// The explanation's problem, begun at what it makes of the parameters.
 Problem begun(const ExplainedProblem& explanation) {
   Problem problem = explanation.problem;
+  if (explanation.found.name == "amplitude_ratio") doubt_amplitude(0.01 * explanation.found.size, problem);
   for (const auto& [parameter, under] : explanation.found.parameters)
     problem.start[parameter] = under.estimate;
   return problem;

@@ -81,6 +81,38 @@ INSTANTIATE_TEST_SUITE_P(Explanations, Causes,
                                          Cause{"viscous", {.viscous = 2}}, Cause{"bad_run", {.bad_run = 3}}),
                          [](const auto& cause) { return cause.param.name + std::to_string(cause.index); });
 
+// Whichever of two unequal amplitudes was given.
+TEST(Explanations, IntervalsUnderUnequalAmplitudesHoldWhicheverIsTheOneGiven) {
+  for (const double ratio : {0.9, 1.1})
+    for (const double given : {std::sqrt(ratio), 1 / std::sqrt(ratio)}) {
+      Dice dice(5, 0, 0);
+      const Laboratory lab{.ratio = ratio};
+      Problem problem = campaign_of(lab, kGoodCamera, dice);
+      for (SummaryRun& run : problem.summary_runs)
+        run.scenario.drive.amplitude *= given, run.scenario.drive.amplitude_y *= given;
+      const FitResult result = estimate(problem, kQuick);
+      EXPECT_EQ(result.explanations.front().name, "amplitude_ratio");
+      EXPECT_EQ(result.verdict, Use::care);
+      EXPECT_TRUE(holds(result, FitParameter::mu1, lab.mu1)) << given << result.full_report();
+      EXPECT_TRUE(holds(result, FitParameter::mu2, lab.mu2)) << given << result.full_report();
+    }
+}
+
+TEST(Explanations, APriorThatContradictsTheDataIsNamed) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    Dice dice(seed, 0, 0);
+    Problem problem = campaign_of({}, kGoodCamera, dice);
+    problem.prior[FitParameter::mu1] = {0.1 + 0.0005 * seed, 0.001};
+    EXPECT_TRUE(estimate(problem, kQuick).contradicted_priors.empty()) << seed;
+    problem.prior[FitParameter::mu1] = {0.1, 0.01};
+    problem.prior[FitParameter::lag] = {Laboratory().lag + 0.2, 0.02};
+    const FitResult result = estimate(problem, kQuick);
+    ASSERT_EQ(result.contradicted_priors.size(), 1U) << seed;
+    EXPECT_THAT(result.contradicted_priors.front(), HasSubstr("the prior of phase_lag_rad"));
+    EXPECT_NE(result.verdict, Use::use);
+  }
+}
+
 // A minimum that one run has pulled far away is no place from which the others' own is found by descent.
 TEST(Explanations, ABadRunIsNamedWhereThePartSticks) {
   int held = 0;
