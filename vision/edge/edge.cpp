@@ -260,7 +260,8 @@ std::string reason_against(const FirstPassResult& first, const TrackOptions& opt
 }
 
 /// Pictures of a part that turns hold what turns with it, and do not know: what the edge's own errors leave
-/// of the difference is theirs, px.
+/// of the difference is theirs, px. Of a part that does not turn it may be the edge's, which takes the noise
+/// of neighbouring pixels for independent: a coder, a mosaic or an enlargement makes it alike.
 double errors_of_pictures(const Remeasurement& by_edge, double stated) {
   return std::max(stated, std::sqrt(std::max(0.0, std::pow(by_edge.differ, 2) - std::pow(by_edge.sd, 2))));
 }
@@ -328,7 +329,7 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
     if (edge.optics.chamfer > 0.5 * outer.widest) outer.widest = edge.optics.chamfer;
   }
   const Remeasurement change = compare(track, frames, edge.fixes);
-  const double of_track = errors_of_pictures(change, stated);
+  const double of_track = turning ? errors_of_pictures(change, stated) : stated;
   stage.on = change.sd < of_track;
   stage.reason = fmt::format(
       "learnt from {} frames: edge at {:.2f} px, blur {:.2f} px, chamfer {:.2f} px; predicted errors: {:.2g} "
