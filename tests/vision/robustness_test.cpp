@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <opencv2/imgproc.hpp>
 #include <random>
 #include <string>
 #include <vector>
@@ -131,6 +132,26 @@ TEST_P(Robustness, Saturation) {
 
 /// Those that every change is tested by; the others wait for a campaign.
 class EverydayRobustness : public Robustness {};
+
+// Pictures that were enlarged and are then stored as they are: nothing says that neighbouring pixels err
+// alike.
+TEST_P(EverydayRobustness, ErrorsThatNeighbouringPixelsShare) {
+  Recording r = recording();
+  r.scene.disc.scratches = 40;
+  r.spoil = [](int, Picture& p) {
+    cv::Mat seen(p.height(), p.width(), CV_32F), small;
+    for (int y = 0; y < p.height(); ++y)
+      for (int x = 0; x < p.width(); ++x) seen.at<float>(y, x) = p.at(x, y);
+    cv::resize(seen, small, {}, 0.5, 0.5, cv::INTER_AREA);
+    cv::resize(small, seen, seen.size(), 0, 0, cv::INTER_CUBIC);
+    for (int y = 0; y < p.height(); ++y)
+      for (int x = 0; x < p.width(); ++x) p.at(x, y) = seen.at<float>(y, x);
+  };
+  const Outcome o = followed(r);
+  EXPECT_EQ(o.errors.count, r.frames);
+  EXPECT_LT(o.errors.rms, 3 * o.bound);
+  EXPECT_LT(o.errors.standardised, 2);
+}
 
 TEST_P(EverydayRobustness, HotAndDeadPixels) {
   Recording r = recording();
