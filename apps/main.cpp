@@ -91,11 +91,13 @@ ExitCode complain_of(const std::exception& error) {
     complain(fmt::format("{}; give it fewer cycles or more friction", error.what()));
     return kInvalidInput;
   }
-  if (is_one_of<InvalidInput, WriteError, vision::InputError, fit::DataError, std::invalid_argument>(error)) {
+  if (is_one_of<InvalidInput, vision::InputError, fit::DataError, std::invalid_argument>(error)) {
     complain(error.what());
     return kInvalidInput;
   }
-  if (is_one_of<std::bad_alloc>(error))
+  if (is_one_of<WriteError>(error))
+    complain(error.what());
+  else if (is_one_of<std::bad_alloc>(error))
     complain(
         "out of memory: give the process more, or less to do at once (--threads 1, fewer frames or samples)");
   else
