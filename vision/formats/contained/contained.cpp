@@ -1,5 +1,6 @@
 #include "vision/formats/contained/contained.h"
 
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -28,19 +29,21 @@ std::uint64_t seconds_to_open(const std::filesystem::path& path) {
 
 // In the child.
 
-Answer put_frame(DecodedSource& source, std::int64_t index, std::string& bytes) {
+Answer put_frame(DecodedSource& source, std::int64_t index, const SharedFrames& frames, std::int64_t place) {
   const StoredFrame stored = source.decode(index);
   Answer answer;
   answer.level_bytes = stored.level_bytes;
   const std::size_t row =
       static_cast<std::size_t>(source.info().width) * static_cast<std::size_t>(stored.level_bytes);
-  for (int y = 0; y < source.info().height; ++y)
-    bytes.append(reinterpret_cast<const char*>(stored.first + y * stored.row), row);
-  if (const CodedFrame* coded = source.coded()) {
+  std::uint8_t* to = frames.levels(place);
+  for (int y = 0; y < source.info().height; ++y, to += row)
+    std::memcpy(to, stored.first + y * stored.row, row);
+  const CodedFrame* coded = source.coded();
+  if (coded && coded->cells.size() <= frames.cells()) {
     answer.coded_columns = coded->columns;
     answer.coded_rows = coded->rows;
     answer.coded_type = coded->type;
-    bytes.append(reinterpret_cast<const char*>(coded->cells.data()), coded->cells.size() * sizeof(CodedCell));
+    std::memcpy(frames.coded(place), coded->cells.data(), coded->cells.size() * sizeof(CodedCell));
   }
   return answer;
 }
@@ -67,7 +70,7 @@ void answer_with(int socket, std::int64_t series, const Work& work) {
     ::_exit(0);  // nobody is there any more
 }
 
-[[noreturn]] void serve(int socket, const std::filesystem::path& path,
+[[noreturn]] void serve(int socket, int memory, const std::filesystem::path& path,
                         const std::function<std::unique_ptr<DecodedSource>()>& open) {
   allow_cpu(seconds_to_open(path));
   std::unique_ptr<DecodedSource> source;
@@ -80,16 +83,22 @@ void answer_with(int socket, std::int64_t series, const Work& work) {
     return Answer{};
   });
   if (!source) ::_exit(0);
+  std::optional<SharedFrames> frames;
   Order order;
-  for (std::int64_t next = -1;;) {
-    if (next < 0 || next >= source->info().frame_count || has_word(socket)) {
+  for (std::int64_t place = 0;;) {
+    const std::int64_t index = order.from + place * order.step;
+    if (place >= order.end || index >= source->info().frame_count || has_word(socket)) {
+      const std::int64_t series = order.series;
       if (!receive_bytes(socket, &order, sizeof order)) ::_exit(0);
-      next = order.from;
+      if (order.series != series) place = 0;
       continue;
     }
     allow_cpu(kSecondsPerFrame);
-    answer_with(socket, order.series, [&](std::string& bytes) { return put_frame(*source, next, bytes); });
-    next = order.step > 0 ? next + order.step : -1;
+    answer_with(socket, order.series, [&](std::string&) {
+      if (!frames) frames.emplace(memory, source->info());
+      return put_frame(*source, index, *frames, place);
+    });
+    ++place;
   }
 }
 
@@ -117,7 +126,8 @@ class Descriptor {
 /// A process that decodes, at the other end of a socket.
 class Decoder {
  public:
-  Decoder(const std::filesystem::path& path, const std::function<std::unique_ptr<DecodedSource>()>& open) {
+  Decoder(int memory, const std::filesystem::path& path,
+          const std::function<std::unique_ptr<DecodedSource>()>& open) {
     int ends[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) fail();
     socket_.emplace(ends[0]);
@@ -125,10 +135,14 @@ class Decoder {
     process_ = ::fork();
     if (process_ < 0) fail();
     if (process_ > 0) return;
-    constexpr int kSocket = 3;
-    ::dup2(ends[1], kSocket);
-    confine_to_reading(kSocket + 1);
-    serve(kSocket, path, open);
+    // Under numbers beyond theirs first: each may have the other's.
+    constexpr int kSocket = 3, kMemory = 4, kFirstClosed = 5;
+    const int socket = ::fcntl(ends[1], F_DUPFD, kFirstClosed),
+              frames = ::fcntl(memory, F_DUPFD, kFirstClosed);
+    ::dup2(socket, kSocket);
+    ::dup2(frames, kMemory);
+    confine_to_reading(kFirstClosed);
+    serve(kSocket, kMemory, path, open);
   }
   ~Decoder() { end(); }
   Decoder(const Decoder&) = delete;
@@ -154,11 +168,11 @@ class ContainedSource : public FrameSource {
  public:
   ContainedSource(const std::filesystem::path& path,
                   const std::function<std::unique_ptr<DecodedSource>()>& open)
-      : decoder_(path, open) {
+      : memory_(::memfd_create("tribotrack", MFD_CLOEXEC | MFD_ALLOW_SEALING)),
+        decoder_(memory_.number(), path, open) {
     info_.path = path;
     set_patience(decoder_.socket(), seconds_to_open(path));
-    receive(0);
-    Archive archive(std::move(bytes_));
+    Archive archive(receive(0).second);
     archive(info_);
     const auto of_frames = [&](const auto& values) {
       return values.empty() || std::ssize(values) == info_.frame_count;
@@ -166,15 +180,14 @@ class ContainedSource : public FrameSource {
     if (info_.width < 1 || info_.height < 1 || info_.frame_count < 1 ||
         std::int64_t{info_.width} * info_.height > kMostPixels || !of_frames(info_.numbers) ||
         !of_frames(info_.exposures_s) || !of_frames(info_.time_base.stamps_s))
-      refuse(path, kMisleads);
+      refuse(path, "misleads its decoder; export the recording again");
     set_patience(decoder_.socket(), kSecondsPerFrame);
   }
 
   void fill(std::int64_t index, const Rect& window, Picture& picture) override {
     if (index != held_) fetch(index);
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(info_.width) * level_bytes_;
-    copy_stored({reinterpret_cast<const std::uint8_t*>(bytes_.data()), row, level_bytes_, level_bytes_},
-                window, picture);
+    copy_stored({frames_->levels(place_), row, level_bytes_, level_bytes_}, window, picture);
   }
   const CodedFrame* coded(std::int64_t index) const override {
     const auto found = std::ranges::find(coded_, index, &CodedRecord::index);
@@ -187,15 +200,16 @@ class ContainedSource : public FrameSource {
     CodedFrame frame;
   };
 
-  /// The next answer of a series, its bytes in bytes_.
-  Answer receive(std::int64_t series) {
+  /// The next answer of a series, with its bytes.
+  std::pair<Answer, std::string> receive(std::int64_t series) {
     constexpr std::uint64_t kMost = std::uint64_t{1} << 31;  // bytes: of stamps of 2^24 frames, a tenth
     for (;;) {
       Answer answer;
+      std::string text;
       bool whole = receive_bytes(decoder_.socket(), &answer, sizeof answer) && answer.length < kMost;
       if (whole) {
-        bytes_.resize(answer.length);
-        whole = receive_bytes(decoder_.socket(), bytes_.data(), bytes_.size());
+        text.resize(answer.length);
+        whole = receive_bytes(decoder_.socket(), text.data(), text.size());
       }
       if (!whole)
         refuse(info_.path, "{}; it may be damaged: copy or export the recording again",
@@ -203,13 +217,13 @@ class ContainedSource : public FrameSource {
       if (answer.series != series) continue;
       switch (answer.outcome) {
         case Outcome::done:
-          return answer;
+          return {answer, std::move(text)};
         case Outcome::bad_input:
-          throw InputError(bytes_);
+          throw InputError(text);
         case Outcome::no_memory:
           throw std::bad_alloc();
         default:
-          throw std::runtime_error(bytes_);
+          throw std::runtime_error(text);
       }
     }
   }
@@ -217,42 +231,50 @@ class ContainedSource : public FrameSource {
   /// Makes `index` the frame that is held. Where frames are asked for in order, or twice in the same step,
   /// the next ones are ordered with it.
   void fetch(std::int64_t index) {
+    if (!frames_) {
+      frames_.emplace(memory_.number(), info_);
+      const auto size = static_cast<off_t>(frames_->size());
+      if (::ftruncate(memory_.number(), size) != 0 ||
+          ::fcntl(memory_.number(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
+        throw std::bad_alloc();
+    }
     const std::int64_t step = held_ < 0 ? 0 : index - held_;
-    if (step <= 0 || step != order_.step) {
+    if (step > 0 && step == order_.step && order_.end > 1) {
+      ++place_;
+      ++order_.end;
+    } else {
       const bool regular = step == 1 || (step > 0 && step == last_step_);
-      order_ = {order_.series + 1, index, regular ? step : 0};
-      send_bytes(decoder_.socket(), &order_, sizeof order_);  // a child that is gone is seen at its answer
+      order_ = {order_.series + 1, index, regular ? step : 0,
+                regular ? static_cast<std::int64_t>(kAhead) : 1};
+      place_ = 0;
     }
     last_step_ = step;
     held_ = -1;
-    take(receive(order_.series), index);
+    send_bytes(decoder_.socket(), &order_, sizeof order_);  // a child that is gone is seen at its answer
+    take(receive(order_.series).first, index);
     held_ = index;
   }
 
   void take(const Answer& answer, std::int64_t index) {
+    level_bytes_ =
+        answer.level_bytes == 1 || answer.level_bytes == 2 ? static_cast<int>(answer.level_bytes) : 4;
     const std::int64_t columns = answer.coded_columns, rows = answer.coded_rows;
-    const bool sensible = (answer.level_bytes == 1 || answer.level_bytes == 2 || answer.level_bytes == 4) &&
-                          columns >= 0 && rows >= 0 && columns <= info_.width && rows <= info_.height;
-    const std::int64_t of_levels = std::int64_t{info_.width} * info_.height * answer.level_bytes;
-    std::vector<CodedCell> cells(sensible ? static_cast<std::size_t>(columns * rows) : 0);
-    const std::size_t of_cells = cells.size() * sizeof(CodedCell);
-    if (!sensible || bytes_.size() != static_cast<std::size_t>(of_levels) + of_cells)
-      refuse(info_.path, kMisleads);
-    level_bytes_ = static_cast<int>(answer.level_bytes);
-    if (cells.empty() || coded(index)) return;
-    std::memcpy(cells.data(), bytes_.data() + of_levels, of_cells);
+    if (columns < 1 || rows < 1 || columns > info_.width || rows > info_.height || coded(index)) return;
+    const auto count = static_cast<std::size_t>(columns * rows);
+    if (count > frames_->cells()) return;
+    CodedFrame frame{static_cast<char>(answer.coded_type), static_cast<int>(columns), static_cast<int>(rows),
+                     std::vector<CodedCell>(count)};
+    std::memcpy(frame.cells.data(), frames_->coded(place_), count * sizeof(CodedCell));
     if (coded_.size() == kCodedFrames) coded_.pop_front();
-    coded_.push_back({index,
-                      {static_cast<char>(answer.coded_type), static_cast<int>(columns),
-                       static_cast<int>(rows), std::move(cells)}});
+    coded_.push_back({index, std::move(frame)});
   }
 
-  static constexpr const char* kMisleads = "misleads its decoder; export the recording again";
-
+  Descriptor memory_;
   Decoder decoder_;
-  std::string bytes_;           ///< of the last answer: where that is a frame, the one that is held
+  std::optional<SharedFrames> frames_;
   Order order_;                 ///< the last one
-  std::int64_t held_ = -1;      ///< index of the frame that is held
+  std::int64_t place_ = 0;      ///< in its series, of the frame that is held
+  std::int64_t held_ = -1;      ///< its index
   std::int64_t last_step_ = 0;  ///< between the last two frames that were asked for
   int level_bytes_ = 1;
   std::deque<CodedRecord> coded_;  ///< of the frames read last

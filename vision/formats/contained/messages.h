@@ -1,13 +1,16 @@
-// What the process that decodes and its parent say to each other over a socket: orders and answers.
+// What the process that decodes and its parent say to each other: orders and answers over a socket, frames in
+// shared memory.
 #pragma once
 
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <new>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -18,22 +21,24 @@
 
 namespace tribotrack::vision {
 
+inline constexpr std::size_t kAhead = 4;  ///< frames in shared memory, the one in use among them
+
 // The parent believes nothing that could lead it out of its own memory.
 
-/// Parent to child: frames from, from + step, ... until the next order; of step 0 the first alone. The child
-/// is ahead by what the socket holds and the frame that waits for room in it.
+/// Parent to child: frames from, from + step, ... in places 0, 1, ..., as far as place `end`, not included. A
+/// new `series` ends the one before.
 struct Order {
-  std::int64_t series = 0, from = 0, step = 0;
+  std::int64_t series = 0, from = 0, step = 0, end = 0;
 };
 
 enum class Outcome : std::int64_t { done, bad_input, no_memory, other };
 
-/// Child to parent, followed by `length` bytes: of SourceInfo, or what() of an exception, or the levels of a
-/// frame and its cells.
+/// Child to parent, followed by `length` bytes: of SourceInfo, or what() of an exception.
 struct Answer {
   std::int64_t series = 0;
   Outcome outcome = Outcome::done;
   std::uint64_t length = 0;
+  // Of a frame, which lies in the shared memory.
   std::int64_t level_bytes = 0, coded_columns = 0, coded_rows = 0;  ///< no columns: no CodedFrame
   std::int64_t coded_type = 0;
 };
@@ -145,6 +150,34 @@ class Archive {
   std::string bytes_;
   bool reading_ = false;
   std::size_t at_ = 0;
+};
+
+/// Memory that both processes see: kAhead frames, each its levels and how they were coded.
+class SharedFrames {
+ public:
+  SharedFrames(int memory, const SourceInfo& info)
+      : levels_(static_cast<std::size_t>(info.width) * static_cast<std::size_t>(info.height) * sizeof(float)),
+        cells_((static_cast<std::size_t>(info.width) / CodedFrame::kCell + 2) *
+               (static_cast<std::size_t>(info.height) / CodedFrame::kCell + 2)) {
+    void* mapped = ::mmap(nullptr, size(), PROT_READ | PROT_WRITE, MAP_SHARED, memory, 0);
+    if (mapped == MAP_FAILED) throw std::bad_alloc();
+    begin_ = static_cast<std::uint8_t*>(mapped);
+  }
+  ~SharedFrames() { ::munmap(begin_, size()); }
+  SharedFrames(const SharedFrames&) = delete;
+  SharedFrames& operator=(const SharedFrames&) = delete;
+
+  std::size_t size() const { return kAhead * bytes_of_frame(); }
+  std::size_t cells() const { return cells_; }
+  std::uint8_t* levels(std::int64_t place) const {
+    return begin_ + static_cast<std::size_t>(place) % kAhead * bytes_of_frame();
+  }
+  std::uint8_t* coded(std::int64_t place) const { return levels(place) + levels_; }
+
+ private:
+  std::size_t bytes_of_frame() const { return (levels_ + cells_ * sizeof(CodedCell) + 63) / 64 * 64; }
+  std::size_t levels_, cells_;
+  std::uint8_t* begin_ = nullptr;
 };
 
 }  // namespace tribotrack::vision
