@@ -68,7 +68,8 @@ struct Harmonic {
   bool seen() const { return amplitude.value > 4 * amplitude.sd || amplitude_y.value > 4 * amplitude_y.sd; }
 };
 
-/// From a row of the track on the platform is seen elsewhere, and at another time of its motion.
+/// From a row of the track on the platform is seen elsewhere, and at another time of its motion:
+/// m(t + ahead) + moved in the place of m(t).
 struct MotionBreak {
   std::size_t row = 0;
   Eigen::Vector2d moved = Eigen::Vector2d::Zero();  ///< m
@@ -94,7 +95,7 @@ struct PlatformMotion {
   /// Relative, included in the sds of both amplitudes: what an unknown exposure can hide of them. All
   /// recordings of a camera share it.
   double exposure_doubt = 0;
-  /// A circle that is not one: amplitudes, w and phases are wrong by more than their sds.
+  /// Where the circle breaks: then amplitudes, w and phases are wrong by more than their sds.
   std::optional<MotionBreak> broken;
   bool frequency_drifts() const;  ///< the drift stands above 4 sd
 };

@@ -249,10 +249,8 @@ std::string broken_motion(const Track& track, const RunMeasurement& m) {
   const double interval = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
   return fmt::format(
       "the platform's motion breaks at frame {}: from there on it is {:.2g} frames ahead of its time and "
-      "seen "
       "{:.2g} by {:.2g} mm aside, as where frames are missing in silence or the camera was knocked; track "
-      "the "
-      "frames before or after it (--frames)",
+      "the frames before or after it (--frames)",
       track.table.frame[row], ahead / interval, 1e3 * moved.x(), 1e3 * moved.y());
 }
 

@@ -2,22 +2,16 @@
 // results, which then go neither to standard output nor, unless asked for, into files.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
-#include <utility>
-#include <variant>
 #include <vector>
 
+#include "apps/text/csv_table.h"
 #include "fit/json.h"
 #include "vision/frame_source.h"
 
 namespace tribotrack::apps {
-
-/// A table column by column. NaN: no value.
-using Column = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<const char*>>;
-using Columns = std::vector<std::pair<std::string, Column>>;
 
 struct Called {
   // Given.

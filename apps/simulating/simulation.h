@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "apps/files/scenario_file.h"
-#include "apps/program/called.h"
+#include "apps/text/csv_table.h"
 #include "apps/text/json.h"
 #include "model/trajectory.h"
 

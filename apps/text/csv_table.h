@@ -1,14 +1,16 @@
 // Tables of numbers in text files, of whichever program, with the place of whatever is wrong in them.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
-#include "apps/program/called.h"
 #include "apps/text/json.h"
 #include "apps/text/number_text.h"
 
@@ -20,7 +22,12 @@ std::string csv_cell(const std::string& text);
 /// A value in a table: a text, "yes" or "no", a number with all its digits; empty for NaN.
 std::string cell_text(const Json& value);
 
-/// Rows, objects of the same keys, as CSV; the keys are the header.
+/// A table column by column. NaN: no value.
+using Column = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<const char*>>;
+using Columns = std::vector<std::pair<std::string, Column>>;
+
+/// As CSV: rows, objects of the same keys, which are the header; or columns, their numbers written by
+/// `number`.
 std::string csv_of(const std::vector<Json>& rows);
 std::string csv_of(const Columns& columns, std::string (*number)(double) = exact);
 
