@@ -83,8 +83,9 @@ FitResult estimate(const Problem& given, const FitOptions& wanted) {
   Estimation fit(problem, options, between ? &*between : nullptr);
   fit.find_minimum();
   fit.test_residuals();
-  auto [list, quoted] = explain_tracks(problem, fit, options);
-  if (!quoted) {
+  const bool mistyped = fit.rejected() && options.mistyped && options.mistyped(fit.assumed());
+  auto [list, quoted] = mistyped ? Explained{} : explain_tracks(problem, fit, options);
+  if (!quoted && !mistyped) {
     Explained all = explain(problem, fit, options);
     list.insert(list.end(), std::make_move_iterator(all.list.begin()),
                 std::make_move_iterator(all.list.end()));
@@ -125,6 +126,7 @@ FitResult estimate(const Problem& given, const FitOptions& wanted) {
           "A spin and a law of friction cannot be told apart by the path: mark the part so that its turning "
           "is seen, or start it without spin.";
   }
+  result.mistyped = mistyped;
   result.slides = std::move(slides);
   describe_slides(between ? &*between : nullptr, result);
   judge(result);

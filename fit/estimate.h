@@ -37,6 +37,9 @@ struct FitOptions {
       false;  ///< compare tilt and alternative friction laws even where the residuals do not require it
   int bootstrap = 0;  ///< refits to simulated data; 0: none, 400 give the ends of intervals to about 10 %
   unsigned bootstrap_seed = 1;  ///< of their noise; recorded in the result
+  /// Asked where chi^2 rejects the fit: whether something was mistyped (fit/slips.h). Then nothing else is
+  /// looked for that explains the residuals.
+  std::function<bool(const FitResult& assumed)> mistyped = {};
   /// Progress callback, from one thread at a time: stages are "starts", "bootstrap", ...
   std::function<void(const char* stage, std::size_t done, std::size_t total)> progress = {};
 

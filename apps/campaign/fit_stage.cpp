@@ -204,17 +204,26 @@ void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& c
         .first->second.update(static_cast<std::int64_t>(done), static_cast<std::int64_t>(total));
   };
   const fit::Problem problem = problem_of(campaign, fitted.runs, fitted.conditions);
-  fitted.result = fit::estimate(problem, options);
-  std::vector<std::string> suspects = suspicious_runs(problem, fitted.result);
   Campaign as_displacements = campaign;
   as_displacements.fit.trajectory = false;
+  const auto find_slips = [&](const fit::FitResult& result) {
+    return fit::find_slips(problem_of(as_displacements, fitted.runs, fitted.conditions), result,
+                           typed(fitted.runs, fitted.conditions.pooled));
+  };
+  std::optional<std::vector<fit::SlipFound>> found;
+  options.mistyped = [&](const fit::FitResult& assumed) {
+    found = find_slips(assumed);
+    return !found->empty();
+  };
+  fitted.result = fit::estimate(problem, options);
+  if (!found || !fit::is_failing(fitted.result)) found = find_slips(fitted.result);
+  std::vector<std::string> suspects = suspicious_runs(problem, fitted.result);
   std::vector<std::string> slips =
-      likely_slips(campaign, fitted.runs, fitted.conditions,
-                   problem_of(as_displacements, fitted.runs, fitted.conditions), fitted.result);
-  if (!slips.empty() && fitted.result.verdict == fit::Use::use) {
-    fitted.result.verdict = fit::Use::care;
+      likely_slips(campaign, fitted.runs, fitted.conditions, *found, fitted.result);
+  const bool usable = fitted.result.verdict == fit::Use::use;
+  if (!slips.empty() && usable) fitted.result.verdict = fit::Use::care;
+  if (!slips.empty() && (usable || fitted.result.mistyped))
     fitted.result.verdict_reasons.push_back(slips.front());
-  }
   std::ranges::move(slips, std::back_inserter(suspects));
   fitted.result.warnings.insert(fitted.result.warnings.begin(), suspects.begin(), suspects.end());
   fitted.json = fit_json(campaign, fitted.runs, fitted.result);

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "apps/measuring/measure_run.h"
-#include "fit/slips.h"
 
 namespace tribotrack::apps {
 
@@ -32,6 +31,8 @@ bool one_scale(const Campaign& campaign, const fit::Conditions& conditions) {
          conditions.find(Source::diameter) == nullptr;
 }
 
+}  // namespace
+
 fit::Typed typed(const std::vector<Run>& runs, const fit::Conditions& conditions) {
   const auto alone = [&](Source source) {
     const fit::PooledQuantity* q = conditions.find(source);
@@ -50,6 +51,8 @@ fit::Typed typed(const std::vector<Run>& runs, const fit::Conditions& conditions
   });
   return typed;
 }
+
+namespace {
 
 /// What was typed, what was meant.
 std::string what_is_wrong(const Campaign& campaign, const Run& run, const SlipFound& slip) {
@@ -114,7 +117,7 @@ std::string values_of(const SlipFound& slip) {
 }  // namespace
 
 std::vector<std::string> likely_slips(const Campaign& campaign, const std::vector<Run>& runs,
-                                      const SharedConditions& shared, const fit::Problem& problem,
+                                      const SharedConditions& shared, const std::vector<SlipFound>& found,
                                       const fit::FitResult& result) {
   std::vector<std::string> sentences;
   const bool absurd = fit::is_absurd(result), failing = fit::is_failing(result);
@@ -122,7 +125,6 @@ std::vector<std::string> likely_slips(const Campaign& campaign, const std::vecto
   const auto first = std::ranges::find_if(
       runs, [&](const Run& run) { return run.takes_part() && (run.track || !given.lengths); });
   if (first == runs.end()) return sentences;
-  const std::vector<SlipFound> found = fit::find_slips(problem, result, given);
   const char* verb = !absurd && !failing ? "the data fit better to"
                      : found.size() == 1 ? "a slip would explain it:"
                                          : "one of the slips would explain it:";

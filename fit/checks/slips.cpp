@@ -169,32 +169,43 @@ bool within_bounds(const Problem& problem) {
   });
 }
 
-/// The best of some places: friction in proportion to what the drive slides, the lag all around.
-Eigen::VectorXd best_place(const Residuals& residuals) {
+/// The best place for each lag, of friction below what the drive slides and beyond it, where the part rests
+/// between pulses: no descent leads across. Best first.
+std::vector<Eigen::VectorXd> places_around(const Residuals& residuals) {
+  constexpr int kLags = 8;
   const Unknowns& unknowns = residuals.unknowns();
   const double threshold = unknowns.sliding_threshold().value_or(kUsualMu1);
   const auto mu1 = unknowns.find(FitParameter::mu1), mu2 = unknowns.find(FitParameter::mu2),
              lag = unknowns.find(FitParameter::lag);
-  std::pair<double, Eigen::VectorXd> best{HUGE_VAL, unknowns.first_guess()};
-  constexpr int kLags = 8;
-  for (const double share : {0.25, 0.5, 0.9})
-    for (const double ratio : {0.1, 0.4})
-      for (int k = 0; k < (lag ? kLags : 1); ++k) {
+  std::vector<std::pair<double, Eigen::VectorXd>> best;
+  const auto look = [&](int k, std::initializer_list<double> shares) {
+    best.emplace_back(HUGE_VAL, unknowns.first_guess());
+    for (const double share : shares)
+      for (const double ratio : {0.1, 0.4, 0.7}) {
         Eigen::VectorXd values = unknowns.first_guess();
         if (mu1) values(*mu1) = share * threshold;
         if (mu2) values(*mu2) = ratio * unknowns.value_of(FitParameter::mu1, values);
         if (lag) values(*lag) = 2 * kPi * k / kLags;
-        if (const double chi2 = residuals.chi2(values); chi2 < best.first) best = {chi2, values};
+        if (const double chi2 = residuals.chi2(values); chi2 < best.back().first)
+          best.back() = {chi2, values};
       }
-  return best.second;
+  };
+  for (int k = 0; k < (lag ? kLags : 1); ++k) {
+    look(k, {0.25, 0.5, 0.9});
+    look(k, {1.1, 1.3});
+  }
+  std::ranges::stable_sort(best, {}, &std::pair<double, Eigen::VectorXd>::first);
+  std::vector<Eigen::VectorXd> places;
+  for (auto& [chi2, values] : best) places.push_back(std::move(values));
+  return places;
 }
 
 /// Where the data of a problem lie near the model, to some per cent and with its conditions as given; nothing
 /// where they do not.
 std::optional<Eigen::VectorXd> roughly(Problem problem) {
-  constexpr double kNear = 0.05;  // of a typical displacement
-  constexpr double kFar = 1;      // chi^2/dof
-  constexpr std::size_t kLookedAt = 16;
+  constexpr double kNear = 0.05;            // of a typical displacement
+  constexpr double kFar = 1, kStray = 100;  // chi^2/dof: of a few per cent, of half a displacement
+  constexpr std::size_t kLookedAt = 16, kDescents = 6;
   problem.conditions.clear();
   keep_representative(problem.summary_runs, kLookedAt);
   std::vector<double> lengths;
@@ -205,10 +216,15 @@ std::optional<Eigen::VectorXd> roughly(Problem problem) {
   ExcessVariance excess;
   excess.runs = kNear * upper_median(lengths);
   residuals.set_excess_variance(excess);
-  const Minimum minimum =
-      minimise(residuals, unknowns.z(best_place(residuals)), {.decrement = 0.1, .max_iterations = 12});
-  if (!(minimum.chi2 < kFar * std::max(1.0, residuals.degrees_of_freedom()))) return std::nullopt;
-  return unknowns.values(minimum.z);
+  const double dof = std::max(1.0, residuals.degrees_of_freedom());
+  std::vector<Eigen::VectorXd> places = places_around(residuals);
+  places.resize(std::min(kDescents, places.size()));
+  for (const Eigen::VectorXd& place : places) {
+    if (!(residuals.chi2(place) < kStray * dof)) break;
+    const Minimum minimum = minimise(residuals, unknowns.z(place), {.decrement = 0.1, .max_iterations = 12});
+    if (minimum.chi2 < kFar * dof) return unknowns.values(minimum.z);
+  }
+  return std::nullopt;
 }
 
 /// The fit with a slip undone; nothing where that is no better.

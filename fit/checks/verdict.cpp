@@ -81,9 +81,10 @@ void judge(FitResult& result) {
   const bool robust = result.loss != Loss::squares;
   const bool by_tracking = tracks && !(driven_tracks && result.chi2 > kMostOfTracking * result.dof);
   if (rejected && result.quoted_under.empty() && !repeated && !by_tracking && !robust)
-    reasons.push_back(rejection(result) + (result.contradicted_priors.empty()
-                                               ? ", and nothing looked at explains it"
-                                               : "; " + list_of(result.contradicted_priors)));
+    reasons.push_back(rejection(result) + (!result.contradicted_priors.empty()
+                                               ? "; " + list_of(result.contradicted_priors)
+                                           : result.mistyped ? ""
+                                                             : ", and nothing looked at explains it"));
   if (!reasons.empty()) return;
   if (rejected && !result.quoted_under.empty())
     reasons.push_back(rejection(result) + "; the values hold under " + list_of(result.quoted_under));

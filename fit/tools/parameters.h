@@ -22,6 +22,8 @@ const ParameterFacts& facts(FitParameter parameter);
 
 /// Where a Stribeck term has faded is not known: its prior's mean and sd, relative (FitParameter).
 inline constexpr double kStribeckSpeed = 0.25;
+/// Friction that falls at less is friction at rest, to all that a displacement tells, and stiff to integrate.
+inline constexpr double kLeastStribeckSpeed = 0.01;
 
 /// Conditions of the first driven run, or of the first one where none is driven.
 struct Reference {

@@ -78,6 +78,27 @@ TEST(Slips, YDownwards) {
   EXPECT_TRUE(names(found_in_failing(problem), What::alpha_mirrored, -1));
 }
 
+// Where mu1 exceeds what the drive slides the part rests between pulses: chi^2 has valleys of its own there.
+TEST(Slips, YDownwardsOfAPartThatRestsBetweenPulses) {
+  for (const test::Truth& truth : {test::Truth{0.144, 0.0755, 0.31}, test::Truth{0.13, 0.0727, 0.465}}) {
+    Problem problem = test::problem_of(test::fourteen(truth), 0.0175, 4e-5);
+    for (SummaryRun& run : problem.summary_runs) run.scenario.drive.phase_shift = -pi / 2;
+    EXPECT_TRUE(names(found_in_failing(problem), What::alpha_mirrored, -1)) << truth.mu1;
+  }
+}
+
+TEST(Slips, ExplainARejectedFitAlone) {
+  Problem problem = table();
+  for (SummaryRun& run : problem.summary_runs) run.scenario.drive.tilt_x = 0.02;
+  FitOptions options = kQuick;
+  EXPECT_FALSE(estimate(problem, options).explanations.empty());
+  options.mistyped = [](const FitResult& assumed) { return assumed.p_value < 1e-3; };
+  const FitResult result = estimate(problem, options);
+  EXPECT_TRUE(result.mistyped);
+  EXPECT_TRUE(result.explanations.empty());
+  EXPECT_EQ(result.verdict, Use::do_not_use);
+}
+
 TEST(Slips, PhiCountedToAnotherEdgeOfThePulse) {
   const auto found_in_phi = [](double sense, double share) {
     Problem problem = table();
