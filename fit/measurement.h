@@ -95,6 +95,7 @@ struct PlatformMotion {
   /// Relative, included in the sds of both amplitudes: what an unknown exposure can hide of them. All
   /// recordings of a camera share it.
   double exposure_doubt = 0;
+  Eigen::Vector2d drift = Eigen::Vector2d::Zero();  ///< m, of the circle's centre in the whole track
   /// Where the circle breaks: then amplitudes, w and phases are wrong by more than their sds.
   std::optional<MotionBreak> broken;
   bool frequency_drifts() const;  ///< the drift stands above 4 sd

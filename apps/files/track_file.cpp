@@ -197,8 +197,9 @@ Track with_rows(Track track, const TrackRows& rows, const std::filesystem::path&
       track.lamp.time.push_back(row.time_s);
       track.lamp.level.push_back(row.gate);
     }
-    // An ok disc without its marker has no platform position.
-    if (row.status == vision::TrackStatus::ok && !std::isnan(row.x_mm)) fit_table.add(row, track.table);
+    if (row.status != vision::TrackStatus::ok) continue;
+    if (!std::isnan(row.x_mm)) fit_table.add(row, track.table);
+    if (rows.has_marker && std::isnan(row.marker_x_px) && std::isnan(row.marker_x_mm)) ++track.without_mark;
   }
   return track;
 }

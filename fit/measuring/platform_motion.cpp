@@ -94,6 +94,7 @@ std::optional<PlatformMotion> measure_platform_motion(const TrackTable& track) {
 
   PlatformMotion motion;
   motion.broken = internal::break_of(marker, fit);
+  motion.drift = marker.span() * fit.coefficients.row(1).transpose();
   const double white = widen(fit, marker);
   const internal::SineResiduals left = internal::analyse_residuals(marker, fit, white);
   if (left.near_w > kColoured * white) fit.covariance *= left.near_w / white;

@@ -17,6 +17,7 @@ namespace tribotrack::apps {
 
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -251,6 +252,19 @@ Track circling(std::optional<vision::CodedErrors> coding) {
     track.table.marker_sigma.push_back(kNoise);
   }
   return track;
+}
+
+TEST(Mark, IsToBeSeenInMostFramesAndToStay) {
+  Track track = circling({});
+  EXPECT_TRUE(measure_run("a", track, {}).warnings.empty());
+  track.without_mark = 10;
+  EXPECT_THAT(measure_run("a", track, {}).warnings, ElementsAre(HasSubstr("10 frames are left out")));
+  track.without_mark = 401;
+  EXPECT_THROW(measure_run("a", track, {}), fit::DataError);
+  track.without_mark = 0;
+  for (std::size_t k = 0; k < 400; ++k)
+    track.table.marker[k].x() += 4e-3 * track.table.time[k];  // another part
+  EXPECT_THAT(measure_run("a", track, {}).warnings, ElementsAre(HasSubstr("drifts by 3.2 mm")));
 }
 
 /// Nobody knows how much of it there was: the values stay, and all of it stands in their standard deviations.
