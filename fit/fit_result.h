@@ -258,7 +258,7 @@ struct FitResult {
   Use verdict = Use::do_not_use;  ///< of all that follows (fit/checks/verdict.h)
   std::vector<std::string> verdict_reasons;
   std::vector<std::string> contradicted_priors;  ///< of parameters: what the data alone say; not in fit.json
-  bool mistyped = false;  ///< FitOptions::mistyped said so; not in fit.json
+  bool mistyped = false;                         ///< FitOptions::mistyped said so; not in fit.json
   std::vector<std::string> warnings;
   /// The scatter beyond the data's own sigma exceeds a tenth of the median displacement: the model does not
   /// describe the runs.

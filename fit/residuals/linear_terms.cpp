@@ -8,6 +8,7 @@
 
 #include "fit/residuals/end_point.h"
 #include "fit/residuals/free_slide.h"
+#include "fit/tools/parameters.h"
 #include "model/parallel.h"
 #include "model/rival_laws.h"
 #include "model/trajectory.h"
@@ -28,7 +29,8 @@ double step_of(FitParameter law) {
 /// Of a free slide: viscous friction is in its scenario, and it has no gate.
 model::RivalLaw law_at(const Unknowns& unknowns, const Eigen::VectorXd& values, bool free_slide) {
   const auto of = [&](FitParameter law) { return unknowns.value_of(law, values); };
-  const double fading = unknowns.reference_speed() * of(FitParameter::stribeck_speed);
+  const double fading =
+      unknowns.reference_speed() * std::max(of(FitParameter::stribeck_speed), kLeastStribeckSpeed);
   if (free_slide) return {.stribeck = of(FitParameter::stribeck), .fading = fading};
   return {.stribeck = of(FitParameter::stribeck),
           .fading = fading,
@@ -173,7 +175,8 @@ AddedByLaws added_by_laws(const Unknowns& unknowns, const Eigen::VectorXd& value
   const Eigen::VectorXd base = there.col(together ? 1 : 0);
   const Eigen::MatrixXd by_change = (there.middleCols(together ? own : 1, changes).colwise() - base) / kStep;
   for (std::size_t k = 0; k < laws.size(); ++k)
-    if (laws[k] == fading) by_law(k) = by_change.col(2) / values(*fading);
+    if (laws[k] == fading && values(*fading) > kLeastStribeckSpeed)
+      by_law(k) = by_change.col(2) / values(*fading);
   const model::Friction& friction = applied.scenario.friction;
   Eigen::MatrixX2d under_law = by_change.leftCols(2);
   under_law.col(0) /= friction.nominal;

@@ -19,7 +19,6 @@ namespace {
 double unit_of(FitParameter parameter, double w, double threshold) {
   if (parameter == FitParameter::mu2) return 0.05 * threshold;
   if (parameter == FitParameter::delay) return 1 / w;
-  if (parameter == FitParameter::stribeck_speed) return kLeastStribeckSpeed;
   return facts(parameter).sort == Sort::tilt ? 0.01 : 1;
 }
 

@@ -29,7 +29,7 @@ const ParameterFacts& facts(FitParameter parameter) {
       {"mu2_width_1_rad", "rise of mu2 with the gate's width", linear, number},
       {"wear", "wear in the course of the campaign", linear, number},
       {"stribeck", "friction that falls with speed (Stribeck)", linear, number},
-      {"stribeck_speed", "speed at which friction has fallen", above, positive},
+      {"stribeck_speed", "speed at which friction has fallen", logarithm, positive},
       {"viscous_1_s", "friction that rises with speed", linear, number},
       {"gate_edges_rad2", "width of the gate's edges", linear, number},
       {"mu2_speed", "rise of mu2 with speed", linear, number},

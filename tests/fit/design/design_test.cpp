@@ -14,11 +14,9 @@ namespace {
 
 TEST(Transform, IsItsOwnInverseAndKnowsItsSlope) {
   using internal::Transform;
-  using enum Transform::Kind;
-  for (const auto kind : {linear, logarithm, hyperbola, above}) {
+  for (const auto kind : {Transform::Kind::linear, Transform::Kind::logarithm, Transform::Kind::hyperbola}) {
     const Transform transform(kind, 0.005);
     for (const double value : {1e-6, 1e-3, 0.0125, 0.1, 3.0}) {
-      if (kind == above && value <= 0.005) continue;
       const double z = transform.z(value);
       EXPECT_NEAR(transform.value(z), value, 1e-12 * value);
       const double h = 1e-5 * std::max(1.0, std::abs(z));
@@ -26,7 +24,7 @@ TEST(Transform, IsItsOwnInverseAndKnowsItsSlope) {
                   1e-7 * std::abs(transform.slope(z)));
     }
     if (transform.positive()) {
-      EXPECT_GE(transform.value(-1e9), kind == above ? 0.005 : 0);
+      EXPECT_GE(transform.value(-1e9), 0);
     }
   }
 }
