@@ -45,8 +45,8 @@ struct Track {
 
   fit::TrackTable table;  ///< rows with status ok, SI
   std::size_t frames = 0, lost = 0, edge = 0, repeats = 0;
-  std::size_t without_mark =
-      0;                     ///< that show the part, but not the platform's mark: they have no place on it
+  /// Frames that show the part, but not the platform's mark: they have no place on it.
+  std::size_t without_mark = 0;
   std::int64_t missing = 0;  ///< frames that should stand between the recording's, by its timestamps
   /// For pictures of the path: one per row, NaN where the part was not measured.
   std::vector<double> time_s, x_px, y_px, x_mm, y_mm, sigma_px, ncc;

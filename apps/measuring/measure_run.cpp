@@ -198,27 +198,26 @@ void put(Json& json, const std::string& name, const fit::Estimate& estimate, dou
 }  // namespace
 
 RunMeasurement measure_run(const std::string& name, const Track& track, const GivenConditions& given) {
-  const std::size_t unmarked = track.without_mark;
-  if (2 * unmarked > track.table.time.size() + unmarked)
+  const std::size_t shown = track.table.time.size() + track.without_mark;
+  if (2 * track.without_mark > shown)
     throw fit::DataError(
         fmt::format("{}: of {} frames that show the part {} do not show the platform's mark or tag; give one "
-                    "that stays in the "
-                    "picture, or track without it",
-                    name, track.table.time.size() + unmarked, unmarked));
+                    "that stays in the picture, or track without it",
+                    name, shown, track.without_mark));
   if (track.table.time.size() < 2)
     throw fit::DataError(fmt::format("{}: the part was tracked in {} frames; nothing can be measured", name,
                                      track.table.time.size()));
   RunMeasurement m;
   m.platform = fit::measure_platform_motion(track.table);
-  if (unmarked > 0)
+  if (track.without_mark > 0)
     m.warnings.push_back(fmt::format("{}: {} frames are left out that do not show the platform's mark or tag",
-                                     name, unmarked));
+                                     name, track.without_mark));
   if (m.platform &&
       m.platform->drift.norm() > 2 * m.platform->amplitude.value + 2 * m.platform->amplitude_y.value)
     m.warnings.push_back(fmt::format(
         "{}: what is taken for the platform drifts by {:.2g} mm in the recording, farther than it circles: "
-        "does the "
-        "camera move, or is the mark not fixed to the platform? The part's motion is counted from it",
+        "does the camera move, or is the mark not fixed to the platform? The part's motion is counted from "
+        "it",
         name, 1e3 * m.platform->drift.norm()));
   allow_for_coding(name, track, m);
   if (m.platform && given.phase_shift) require_same_sense(name, *m.platform, *given.phase_shift);

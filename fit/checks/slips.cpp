@@ -177,26 +177,22 @@ std::vector<Eigen::VectorXd> places_around(const Residuals& residuals) {
   const double threshold = unknowns.sliding_threshold().value_or(kUsualMu1);
   const auto mu1 = unknowns.find(FitParameter::mu1), mu2 = unknowns.find(FitParameter::mu2),
              lag = unknowns.find(FitParameter::lag);
-  std::vector<std::pair<double, Eigen::VectorXd>> best;
-  const auto look = [&](int k, std::initializer_list<double> shares) {
-    best.emplace_back(HUGE_VAL, unknowns.first_guess());
-    for (const double share : shares)
-      for (const double ratio : {0.1, 0.4, 0.7}) {
-        Eigen::VectorXd values = unknowns.first_guess();
-        if (mu1) values(*mu1) = share * threshold;
-        if (mu2) values(*mu2) = ratio * unknowns.value_of(FitParameter::mu1, values);
-        if (lag) values(*lag) = 2 * kPi * k / kLags;
-        if (const double chi2 = residuals.chi2(values); chi2 < best.back().first)
-          best.back() = {chi2, values};
-      }
-  };
-  for (int k = 0; k < (lag ? kLags : 1); ++k) {
-    look(k, {0.25, 0.5, 0.9});
-    look(k, {1.1, 1.3});
-  }
-  std::ranges::stable_sort(best, {}, &std::pair<double, Eigen::VectorXd>::first);
+  std::map<double, Eigen::VectorXd> best;  // by chi^2
+  for (int k = 0; k < (lag ? kLags : 1); ++k)
+    for (const auto& shares : {std::vector{0.25, 0.5, 0.9}, {1.1, 1.3}}) {
+      std::map<double, Eigen::VectorXd> here;
+      for (const double share : shares)
+        for (const double ratio : {0.1, 0.4, 0.7}) {
+          Eigen::VectorXd values = unknowns.first_guess();
+          if (mu1) values(*mu1) = share * threshold;
+          if (mu2) values(*mu2) = ratio * unknowns.value_of(FitParameter::mu1, values);
+          if (lag) values(*lag) = 2 * kPi * k / kLags;
+          here.emplace(residuals.chi2(values), values);
+        }
+      best.insert(*here.begin());
+    }
   std::vector<Eigen::VectorXd> places;
-  for (auto& [chi2, values] : best) places.push_back(std::move(values));
+  for (const auto& [chi2, values] : best) places.push_back(values);
   return places;
 }
 
