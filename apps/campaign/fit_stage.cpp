@@ -169,7 +169,7 @@ std::string coding_sentence(const fit::FitResult& result) {
                         sd(static_cast<Eigen::Index>(i)));
   return fmt::format(
       "the effect of the recordings' codec on the platform's motion exceeds the interval that the data give: "
-      "the intervals include it ({}, SI); film uncompressed or all-intra",
+      "the intervals include it ({}, SI); film uncompressed or with less compression",
       list);
 }
 

@@ -290,7 +290,7 @@ std::string CodedMotion::sentence() const {
       "the codec ({}) attenuates the platform's motion by up to {:.2g} % and delays it by up to {:.2g} rad: "
       "the intervals include both{}",
       coder, 100 * attenuation, delay,
-      exceeds ? ", and both together dominate them: film uncompressed or all-intra" : "");
+      exceeds ? ", and both together dominate them: film uncompressed or with less compression" : "");
 }
 
 bool lamp_gave_phi(const fit::GateTiming& gate) {

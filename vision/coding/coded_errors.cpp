@@ -257,6 +257,11 @@ std::string coding_warning(const CodedErrors& errors) {
         "coded as {}, which does not tell how: {:.4f} px that change over {:.2g} s are added to the standard "
         "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
         errors.coder, errors.added_sd, errors.slow_time);
+  if (!(errors.still + errors.moving > 0))
+    return fmt::format(
+        "coded by {}, every frame by itself: {:.4f} px that change over {:.2g} s are added to the standard "
+        "deviations. Film uncompressed, as FFV1, or with less compression",
+        errors.coder, errors.added_sd, errors.slow_time);
   return fmt::format(
       "coded by {}: {:.0f} % of the edge is predicted from the same place of another frame, where the part "
       "can move by {:.3f} px unnoticed; {:.4f} px that change over {:.2g} s are added to the standard "

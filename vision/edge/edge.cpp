@@ -228,13 +228,14 @@ namespace {
 
 constexpr const char* kName = "edge in bands of time";
 constexpr double kTurnVisible = 0.05;   ///< px rms at the rim: less rotation does not show
+constexpr double kTurnOfCodec = 1;      ///< px: a codec's cells, which the part moves over, feign less
 constexpr double kWorth = 1.2;          ///< of the bound: a track that is as good gains a tenth at most
 constexpr std::ptrdiff_t kAtEnds = 32;  ///< frames: enough to learn from, a small part of most recordings
 constexpr double kSmallest = 6;         ///< px of radius: below, rays from all sides meet
 
 /// Whether the part turns visibly: its angles vary more over the recording than they scatter from frame to
 /// frame.
-bool turns(const FirstPassResult& first, const Track& track) {
+bool turns(const FirstPassResult& first, const Track& track, double visible) {
   if (!first.turning) return false;
   std::vector<double> theta;
   for (std::size_t k = 0; k < track.points.size(); ++k)
@@ -246,7 +247,7 @@ bool turns(const FirstPassResult& first, const Track& track) {
     total += std::pow(theta[k] - mean, 2) / n;
     if (k > 0) white += 0.5 * std::pow(theta[k] - theta[k - 1], 2) / (n - 1);
   }
-  return total - white > std::pow(kTurnVisible / first.disc.radius, 2);
+  return total - white > std::pow(visible / first.disc.radius, 2);
 }
 
 /// Why the edge need not be looked at; empty where it must.
@@ -292,7 +293,8 @@ bool drifts(FrameSource& source, const Track& track, SeenFrames frames, EdgeOpti
 
 EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                        StageClock& clock, double stated, Track& track) {
-  const bool coded = source.info().coder.has_value(), turning = turns(first, track);
+  const bool coded = source.info().coder.has_value(),
+             turning = turns(first, track, coded ? kTurnOfCodec : kTurnVisible);
   EdgeOutcome out;
   PlanStage& stage = out.stage;
   stage = {.name = kName, .reason = reason_against(first, options, coded, turning)};

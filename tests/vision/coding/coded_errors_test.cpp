@@ -26,14 +26,14 @@ class CodedTrackTest : public RecordingTest {
     return {56.3 + amplitude_ * std::cos(phase), 55.6 + amplitude_ * std::sin(phase)};
   }
 
-  std::filesystem::path coded(const char* name, SinkOptions sink) {
+  std::filesystem::path coded(const char* name, SinkOptions sink, int scratches = 0) {
     Scene scene;
     scene.width = scene.height = 112;
     scene.disc = {.radius_px = 24,
                   .level = 160,
                   .edge_blur_px = 0.7,
-                  .scratches = 0,
-                  .scratch_contrast = 0,
+                  .scratches = scratches,
+                  .scratch_contrast = 12,
                   .highlight = 0};
     scene.platform = {.level = 60, .texture_rms = 0};
     const SceneRenderer renderer(scene);
@@ -126,6 +126,20 @@ TEST_F(CodedTrackTest, FramesByThemselvesComeNeitherLateNorSmall) {
   const test::TrackErrors seen = compare(result.track);
   EXPECT_GT(seen.rms / seen.sd, 0.75);
   EXPECT_LT(seen.rms / seen.sd, 1.3);
+}
+
+// Cells of the codec, which the part moves over, turn what is seen of its scratches to and fro. Its edge,
+// which they move as well, is no better for that.
+TEST_F(CodedTrackTest, APartThatOnlySeemsToTurnKeepsItsPictures) {
+  amplitude_ = kFast;
+  const auto source = open_source(coded("fine.mp4", {.crf = 30}, 60), {.frame_rate_hz = 1000});
+  TrackOptions there = options();
+  there.target = {Target::Kind::disc, {truth(0).x, truth(0).y, 24}, {}};
+  const TrackResult result = track(*source, there);
+  const auto edge = std::ranges::find(result.summary.plan, "edge in bands of time", &PlanStage::name);
+  ASSERT_NE(edge, result.summary.plan.end());
+  EXPECT_FALSE(edge->on);
+  EXPECT_NE(edge->reason.find("does not turn visibly"), std::string::npos) << edge->reason;
 }
 
 TEST(UnknownCoder, AllErrorsMayBeItsPlayWhoeverCountedThem) {
