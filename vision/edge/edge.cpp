@@ -19,6 +19,7 @@ constexpr std::size_t kLearnt = 512,
 constexpr std::size_t kLevels = std::size_t{1}
                                 << 24;  ///< numbers kept of these: some 300 MB with their bands
 constexpr int kSlopeRounds = 2;         ///< the gradient of the mean picture settles before
+constexpr int kRounds = 4;              ///< of learning: positions settle in three
 constexpr int kOpticsEvery = 2;         ///< rounds
 constexpr int kIterations = 50, kMoreIterations = 20;  ///< of the variances, first and again
 constexpr std::size_t kAtOnce = 16;                    ///< frames that one thread samples
@@ -38,7 +39,7 @@ class EdgeTracking {
   EdgeTrack run() {
     choose_frames();
     if (learning_.size() < kFewest) return std::move(out_);
-    for (int round = 0; round < options_.rounds; ++round) {
+    for (int round = 0; round < kRounds; ++round) {
       sample_learning_frames(round < kSlopeRounds);
       const std::vector<RaySamples> bands =
           samples_of_bands(grid_, levels_, options_.noise_variance, block_ends_);
@@ -158,15 +159,12 @@ void EdgeTracking::learn_optics(const RaySamples& slow, bool settled) {
   covariances_ = fields_.covariances(out_.optics, RayFields::Beside::whole_part);
 }
 
-/// Variances of the fields in each band and sector (quick: in all sectors together), and the weights that
-/// follow.
+/// Variances of the fields in each band and sector, and the weights that follow.
 void EdgeTracking::learn_weights(const std::vector<RaySamples>& bands, int iterations) {
   for (std::size_t b = 0; b < kBands; ++b) {
-    const std::vector<Eigen::MatrixXd> seen =
-        options_.quick ? all_round(bands[b]).covariances : bands[b].covariances;
+    const std::vector<Eigen::MatrixXd>& seen = bands[b].covariances;
     for (std::size_t j = 0; j < seen.size(); ++j)
       fit_variances(seen[j], covariances_, bands[b].noise_variance, iterations, variances_[b][j]);
-    if (options_.quick) variances_[b].fill(Eigen::VectorXd(variances_[b][0]));
     weights_[b] = weigh(grid_, mean_, covariances_, variances_[b], b, bands[b].noise_variance);
   }
 }
@@ -227,11 +225,10 @@ EdgeTrack track_edge(FrameSource& source, const SeenFrames& frames, const EdgeOp
 namespace {
 
 constexpr const char* kName = "edge in bands of time";
-constexpr double kTurnVisible = 0.05;   ///< px rms at the rim: less rotation does not show
-constexpr double kTurnOfCodec = 1;      ///< px: a codec's cells, which the part moves over, feign less
-constexpr double kWorth = 1.2;          ///< of the bound: a track that is as good gains a tenth at most
-constexpr std::ptrdiff_t kAtEnds = 32;  ///< frames: enough to learn from, a small part of most recordings
-constexpr double kSmallest = 6;         ///< px of radius: below, rays from all sides meet
+constexpr double kTurnVisible = 0.05;  ///< px rms at the rim: less rotation does not show
+constexpr double kTurnOfCodec = 1;     ///< px: a codec's cells, which the part moves over, feign less
+constexpr double kWorth = 1.2;         ///< of the bound: a track that is as good gains a tenth at most
+constexpr double kSmallest = 6;        ///< px of radius: below, rays from all sides meet
 
 /// Whether the part turns visibly: its angles vary more over the recording than they scatter from frame to
 /// frame.
@@ -277,18 +274,6 @@ EdgeTrack track_outer(FrameSource& source, SeenFrames frames, EdgeOptions option
   return edge;
 }
 
-/// Whether pictures that call themselves near the limit drift all the same, by the first and the last frames.
-bool drifts(FrameSource& source, const Track& track, SeenFrames frames, EdgeOptions options, double stated) {
-  if (frames.size() <= 2 * static_cast<std::size_t>(kAtEnds)) return true;
-  frames.erase(frames.begin() + kAtEnds, frames.end() - kAtEnds);
-  options.rounds = 2;
-  options.quick = true;
-  const EdgeTrack edge = track_edge(source, frames, options);
-  if (edge.fixes.empty()) return false;
-  const Remeasurement change = compare(track, frames, edge.fixes);
-  return change.sd < errors_of_pictures(change, stated);
-}
-
 }  // namespace
 
 EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
@@ -307,15 +292,11 @@ EdgeOutcome edge_stage(FrameSource& source, const FirstPassResult& first, const 
   }
   const EdgeOptions asked{
       .radius = first.disc.radius, .noise_variance = first.noise_variance, .threads = options.threads};
-  if (stated < kWorth * first.limit_px) {
+  // Those of a part that turns may drift all the same.
+  if (!turning && stated < kWorth * first.limit_px) {
     stage.reason = fmt::format("the part's pictures give {:.2g} px, noise alone allows {:.2g} px", stated,
                                first.limit_px);
-    if (!turning) return out;
-    if (!drifts(source, track, frames, asked, stated)) {
-      stage.reason +=
-          fmt::format("; in the first and last {} frames the edge does not contradict them", kAtEnds);
-      return out;
-    }
+    return out;
   }
   out.outer = outer_edge(source, frames, asked.radius, first.blur, asked.noise_variance, options.chamfer);
   OuterEdge& outer = *out.outer;

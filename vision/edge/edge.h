@@ -31,8 +31,6 @@ struct EdgeOptions {
   double radius = 0;          ///< px, known to about a pixel
   double noise_variance = 1;  ///< of a pixel, grey levels^2
   int threads = 1;            ///< the result is the same for any number
-  int rounds = 4;             ///< of learning: positions settle in three
-  bool quick = false;         ///< what changes along the rays is taken to be alike all round
 };
 
 struct EdgeTrack {
