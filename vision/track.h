@@ -168,11 +168,12 @@ struct TrackSummary : FrameCounts {
   /// The outer edge, px: beyond the edge as seen there may be a chamfer that does not show. That of the
   /// edge as seen where none was measured. The common sd is what all recordings of this part share.
   double outer_radius = 0, outer_radius_sd = 0, outer_radius_common_sd = 0;
-  double chamfer = 0;             ///< px: its width if known or seen, else the widest that would not show
-  bool chamfer_known = false;     ///< given, or seen
-  Circle marker;                  ///< a round one; radius 0 without
-  std::optional<SeenTag> tag;     ///< the marker, if it is one
-  bool ground_is_marker = false;  ///< the platform's whole visible ground is the marker
+  double chamfer = 0;          ///< px: its width if known or seen, else the widest that would not show
+  bool chamfer_known = false;  ///< given, or seen
+  Circle marker;               ///< a round one; radius 0 without
+  std::optional<SeenTag> tag;  ///< the marker, if it is one
+  /// Where the platform's own texture is the marker: steps of a codec, grey levels, through which it is seen.
+  std::optional<double> ground_steps;
   int gate_pixels = 0;            ///< pixels averaged over the lamp, 0 without one
   double gate_clipped_share = 0;  ///< clipped share of them, in the worst frame
   double noise_levels = 0;  ///< picture noise used for sigma, grey levels, the 1/12 of rounding included

@@ -246,7 +246,7 @@ MetaFile meta_of(const Recording& recording) {
                             {"notes", recording.info().notes}};
   meta.more["frame_of_reference"] = recording.result.track.has_marker ? "platform" : "camera";
   if (recording.result.track.has_marker)
-    meta.more["platform_seen_by"] = recording.result.summary.ground_is_marker ? "texture" : "marker";
+    meta.more["platform_seen_by"] = recording.result.summary.ground_steps ? "texture" : "marker";
   meta.more["scale"] = recording.scale
                            ? Json{{"mm_per_px", recording.scale->mm_per_px},
                                   {"mm_per_px_sd", recording.scale->sd},

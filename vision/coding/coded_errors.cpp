@@ -249,6 +249,26 @@ CodedErrors means_of(CodedErrors sums, double frames) {
   return sums;
 }
 
+double mark_step(const std::vector<WatchedFrame>& frames) {
+  double sum = 0;
+  for (const WatchedFrame& f : frames) sum += f.mark.step / static_cast<double>(frames.size());
+  return sum;
+}
+
+/// What is seen of the ground through too coarse steps is the codec's.
+void leave_out_unseen_ground(double step, Track& track, TrackSummary& summary) {
+  if (step < *summary.ground_steps) return;
+  const std::string hidden = fmt::format(
+      "the codec's steps of {:.2g} grey levels hide the platform's texture, which needs steps "
+      "below {:.2g}: positions are in the camera's frame",
+      step, *summary.ground_steps);
+  std::ranges::find(summary.plan, "marker", &PlanStage::name)[0] = {.name = "marker", .reason = hidden};
+  summary.warnings.push_back(hidden + "; give a marker (--marker), or film uncompressed");
+  summary.ground_steps.reset();
+  track.has_marker = false;
+  for (TrackPoint& p : track.points) p.marker.reset();
+}
+
 /// One sentence for a person.
 std::string coding_warning(const CodedErrors& errors) {
   if (!(errors.added_sd > 0)) return {};
@@ -319,6 +339,7 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
   // Of a coder that tells nothing all errors may be its play, also those that the audit has counted.
   if (!(found.step > 0) && !coded.coder.all_intra)
     found.part_play = found.mark_play = std::numbers::sqrt2 * sd_of(track);
+  if (summary.ground_steps) leave_out_unseen_ground(mark_step(coded.frames), track, summary);
   found.slow_time = found.added_sd > 0 ? direction_time(track, found.unnoticed) : 0;
   if (found.added_sd > 0 && found.slow_time > 0)
     summary.slow.push_back({"coder", found.added_sd, found.slow_time});

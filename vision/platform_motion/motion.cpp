@@ -81,6 +81,8 @@ GroundVerdict verdict_on(const std::optional<LearntGround>& learnt) {
     motion += off.squaredNorm();
     noise += fix->covariance.trace();
   }
+  const Eigen::Vector2d known = eigenvalues(information);
+  v.brushed = known(0) < 0.25 * known(1);
   v.limit_px = median(worst);
   v.motion_px = std::sqrt(std::max(0.0, motion - noise) / (2 * count));
   v.visible = v.limit_px < kWorstLimit;

@@ -213,6 +213,7 @@ struct GroundVerdict {
   bool visible = false;  ///< it shows a texture that locates it in both directions
   bool moves = false;    ///< and it does so beyond what its noise explains
   double texture = 0;    ///< grey levels rms beyond the noise
+  bool brushed = false;  ///< most of it tells one direction only
   double limit_px = 0;   ///< median standard deviation of the worse direction in a frame
   double motion_px = 0;  ///< rms displacement about its mean beyond the noise, per axis
   std::string reason;    ///< with its figure

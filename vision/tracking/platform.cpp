@@ -129,6 +129,13 @@ std::vector<Circle> over_ground(const Point& part, const Pattern& pattern, const
   return over;
 }
 
+/// Grey levels. A texture of t grey levels rms whose every cell of 8 x 8 px consists of n coefficients has
+/// them at 8 t / sqrt(n), and rounding to more than twice that leaves nothing of it: textures have some ten.
+/// Along a brush little changes, in many small coefficients that vanish long before.
+double coarsest_steps(const GroundVerdict& ground) {
+  return (ground.brushed ? 1 : 5) * ground.texture;
+}
+
 void follow_platform(FrameSource& source, const FirstPassResult& first, const TrackOptions& options,
                      const Pattern& part, Track& track, TrackSummary& summary) {
   const std::vector<Point> path = path_of(track, part.centre);
@@ -155,7 +162,8 @@ void follow_platform(FrameSource& source, const FirstPassResult& first, const Tr
       track.points[k].marker = marker_point(*motion.frames[k], middle);
     else
       ++lost;
-  track.has_marker = summary.ground_is_marker = true;
+  track.has_marker = true;
+  summary.ground_steps = coarsest_steps(verdict);
   if (lost > 0)
     summary.warnings.push_back(fmt::format("the platform's texture was not found again in {} frames", lost));
 }

@@ -164,6 +164,26 @@ TEST(UnknownCoder, AllErrorsMayBeItsPlayWhoeverCountedThem) {
   EXPECT_EQ(summary.coded->mark_play, 0) << "nothing is predicted";
 }
 
+TEST(PlatformTexture, IsLeftOutWhereTheStepsHideIt) {
+  for (const auto& [step, seen] : {std::pair(9.0, true), std::pair(11.0, false)}) {
+    Track track;
+    track.has_marker = true;
+    track.points.resize(1);
+    track.points[0].marker.emplace();
+    TrackSummary summary;
+    summary.ground_steps = 10;
+    summary.plan = {{.name = "marker", .on = true, .reason = ""}};
+    CodedTrack coded;
+    coded.coder.all_intra = true;
+    coded.frames = {{.index = 0, .part = {}, .mark = {.step = step}}};
+    widen_for_coding(coded, track, summary);
+    EXPECT_EQ(track.has_marker, seen) << step;
+    EXPECT_EQ(track.points[0].marker.has_value(), seen) << step;
+    EXPECT_EQ(summary.plan[0].on, seen) << step;
+    EXPECT_EQ(summary.warnings.empty(), seen) << step;
+  }
+}
+
 TEST(Forecast, GrowsWithTheStepAndFallsWithTheContrast) {
   Coder coder;
   coder.step = 10;

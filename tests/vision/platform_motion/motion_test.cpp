@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
+#include <opencv2/core.hpp>
 
 #include "vision/scene.h"
 
@@ -178,6 +179,35 @@ TEST(GroundMotion, BrushedGroundTellsItsMotionToTheLimitInBothDirections) {
   EXPECT_LT(e.along, 1.4 * limit[0]);
   EXPECT_LT(e.across, 1.3 * limit[1]);
   EXPECT_GT(e.sd_along, 2 * e.sd_across);
+}
+
+// As JPEG does it: steps of so many grey levels for every coefficient of 8 x 8 px.
+void quantise(Picture& picture, double step) {
+  cv::Mat levels(picture.height(), picture.width(), CV_32F, picture.levels().data());
+  for (int y = 0; y + 8 <= levels.rows; y += 8)
+    for (int x = 0; x + 8 <= levels.cols; x += 8) {
+      cv::Mat cell = levels(cv::Rect(x, y, 8, 8)), spectrum;
+      cv::dct(cell, spectrum);
+      for (float& c : cv::Mat_<float>(spectrum)) c = static_cast<float>(step * std::round(c / step));
+      cv::idct(spectrum, cell);
+    }
+}
+
+// Along its brush a ground follows too little of its motion, by 7 to 98 %, from steps of about its texture
+// on.
+TEST(GroundMotion, ABrushedGroundIsSeenThroughStepsFinerThanItsTexture) {
+  Circling s;
+  s.scene.read_noise = 1;
+  for (const double step : {1.0, 4.0}) {
+    std::vector<Picture> pictures = s.pictures();
+    for (Picture& p : pictures) quantise(p, step);
+    const GroundMotion motion = followed(s, std::move(pictures));
+    EXPECT_TRUE(motion.verdict.brushed);
+    EXPECT_LT(step, motion.verdict.texture);
+    const Errors e = errors_of(motion, s);
+    for (int axis = 0; axis < 2; ++axis)
+      EXPECT_LT(std::abs(e.amplitude_off[axis]), 0.005) << step << " " << axis;
+  }
 }
 
 TEST(GroundMotion, AGlanceTellsRestFromMotion) {
