@@ -142,6 +142,7 @@ GivenConditions given_for(const Campaign& campaign, const Run& analysed) {
           .angular_frequency = run.angular_frequency ? run.angular_frequency : platform.angular_frequency,
           .phase_shift = platform.phase_shift,
           .phase_at_zero = run.phase_at_zero,
+          .phi = run.phi,
           .dtau = run.dtau,
           .scope = analysed.scope,
           .cycles = run.cycles};

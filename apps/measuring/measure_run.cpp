@@ -71,6 +71,7 @@ namespace {
 constexpr double kSmoothed = 0.5;
 constexpr double kQuantile95 = 1.96;  ///< two-sided, of a normal number
 constexpr double kFelt = 0.1;         ///< of an sd: what is less is not said
+constexpr double kContradicts = 3.5;  ///< sd: one of two thousand by chance
 
 /// The sense of turning a campaign states must be the one seen: a mirrored picture gives mirrored angles.
 void require_same_sense(const std::string& name, const fit::PlatformMotion& seen, double phase_shift) {
@@ -95,12 +96,20 @@ std::optional<fit::PhaseClock> clock_of(const RunMeasurement& m, const GivenCond
 
 void note_against_command(const std::string& name, const fit::GateTiming& gate, const GivenConditions& given,
                           std::vector<std::string>& warnings) {
-  if (!given.dtau) return;
-  const double off = std::remainder(gate.dtau.value - *given.dtau, 2 * std::numbers::pi);
-  if (std::abs(off) > std::max(5 * gate.dtau.sd, 0.05))
-    warnings.push_back(fmt::format(
-        "{}: the {} shows dtau = {:.4f} rad, commanded was {:.4f}: that which is known better is used", name,
-        gate.source, gate.dtau.value, *given.dtau));
+  constexpr double kSet = kPi / 180;  ///< rad: as well as angles are set
+  const auto compare = [&](const char* what, const fit::Estimate& seen, const std::optional<double>& commanded,
+                           const char* look) {
+    if (!commanded) return;
+    const double off = std::remainder(seen.value - *commanded, 2 * kPi);
+    if (std::abs(off) > std::max(kContradicts * std::hypot(seen.sd, kSet), 0.05))
+      warnings.push_back(
+          fmt::format("{}: the {} shows {} = {} rad, commanded was {:.4f}: that which is known better is used{}",
+                      name, gate.source, what, quoted(seen.value, seen.sd), *commanded, look));
+  };
+  compare("phi", gate.phi, given.phi,
+          "; where all runs differ alike look at the camera's direction (xi_axis_rad), the trigger's time or "
+          "the sensor's edge");
+  compare("dtau", gate.dtau, given.dtau, "");
 }
 
 /// Counts all that a play of the mark's size does.

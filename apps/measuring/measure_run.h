@@ -29,7 +29,7 @@ struct GivenConditions {
   std::optional<double> angular_frequency;  ///< rad/s
   std::optional<double> phase_shift;        ///< rad
   std::optional<double> phase_at_zero;      ///< rad
-  std::optional<double> dtau;               ///< rad, as commanded: only compared with what is seen
+  std::optional<double> phi, dtau;          ///< rad, as commanded: only compared with what is seen
   std::optional<ScopeEvidence> scope;
   int cycles = 20;
 };

@@ -131,8 +131,8 @@ std::string TrackMotion::remedy() const {
   switch (shown.kind) {
     case Kind::driven:
       if (platform_seen) return "leave out --free-slide for alpha and v";
-      return fmt::format("give --omega-rad-s {:.4g} for alpha and v, or track with --marker",
-                         shown.oscillation->angular_frequency.value);
+      return "for alpha and v give the frequency of the drive as it is set (--omega-rad-s), which is taken as "
+             "exact, or track with --marker";
     case Kind::swinging:
       return "no friction follows from it; where a platform drives it give --omega-rad-s";
     case Kind::incline:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <tuple>
 
 #include "apps/campaign/conditions.h"
 #include "apps/campaign/shared_conditions.h"
@@ -14,6 +15,7 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Matches;
 
 constexpr double kW = 62.8, kA = 0.28e-3, kDtau = std::numbers::pi / 3;
 
@@ -81,6 +83,17 @@ TEST(LampOrCommand, ACommandStaysBesideFramesThatLeaveTheEdgesOpen) {
     EXPECT_NEAR(run.own.sd(model::Parameter::phi), sd, 1e-12);
     EXPECT_NEAR(run.own.sd(model::Parameter::dtau), sd, 1e-12);
     EXPECT_THAT(run.measurement->warnings, Contains(HasSubstr("taken as commanded")));
+  }
+}
+
+TEST(LampOrCommand, WhereTheyContradictItIsSaid) {
+  for (const auto& [frames, commanded, said] :
+       {std::tuple(kSpread, 0.6, false), {kSpread, 0.7, true}, {kAlike, 0.6, false}, {kAlike, 1.2, true}}) {
+    apps::Run run = run_of(0.6, frames);
+    run.given.phi = commanded;
+    measure_again(campaign(), run);
+    EXPECT_EQ(Matches(Contains(HasSubstr("shows phi =")))(run.measurement->warnings), said)
+        << frames << " " << commanded;
   }
 }
 
