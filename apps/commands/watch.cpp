@@ -62,6 +62,7 @@ class Watcher {
 
   void finish() {
     if (!fitted_) throw InvalidInput("{}: no recording could be used", options_.draft.folder.string());
+    if (!reached_ && !campaign_.awaited().empty()) context_.doubt(kQualityGate, awaited());
     if (options_.json) print_text(text_of(json_));
   }
 
@@ -71,9 +72,7 @@ class Watcher {
   void round(std::size_t arrived) {
     try {
       Campaign campaign = campaign_.read(arrivals_.unfinished());
-      if (!campaign_.awaited().empty())
-        say(context_.quiet,
-            fmt::format("{} of the campaign's recordings are not there yet", campaign_.awaited().size()));
+      if (!campaign_.awaited().empty()) say(context_.quiet, awaited());
       if (campaign.runs.empty()) {
         say_next(kFirst);
         return;
@@ -102,6 +101,11 @@ class Watcher {
     } catch (const fit::DataError& error) {
       complain(error.what());
     }
+  }
+
+  std::string awaited() const {
+    return fmt::format("recordings of the campaign that are not there yet, or not finished: {}",
+                       fmt::join(campaign_.awaited(), ", "));
   }
 
   void tell(const CampaignRunner& runner) {

@@ -145,8 +145,8 @@ void CampaignRunner::take_folder() {
   for (const CampaignRun& run : campaign_.runs) names.push_back(run.name);
   for (const std::string& other : folder_.runs())
     if (std::ranges::count(names, other) == 0)
-      say(context_.quiet, fmt::format("note: {} is not in {}: its files stay in {}", other, options_.campaign,
-                                      folder_.tracks().string()));
+      say(context_.quiet, fmt::format("note: {} is not among the runs of {} with data: its files stay in {}",
+                                      other, options_.campaign, folder_.tracks().string()));
 }
 
 void CampaignRunner::measure() {
