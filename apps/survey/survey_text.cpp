@@ -28,12 +28,12 @@ struct Written {
   double value() const { return std::stod(digits); }
 };
 
-const std::string kNumber = R"(([+-]?[0-9]+(?:[.][0-9]+|p[0-9]+(?=[^0-9a-z]|$|deg|rad))?))";
+const std::string kNumber = R"(([+-]?[0-9]+(?:[.,][0-9]+|p[0-9]+(?=[^0-9a-z]|$|deg|rad))?))";
 const std::string kUnit = R"([ _]?(deg(?:rees)?|rad)?(?![a-z]))";
 
 Written written(const std::string& number, const std::string& unit) {
   Written result{number, Unit::unknown};
-  std::ranges::replace(result.digits, 'p', '.');
+  for (const char separator : {'p', ','}) std::ranges::replace(result.digits, separator, '.');
   if (unit.starts_with("rad"))
     result.unit = Unit::radians;
   else if (!unit.empty())
