@@ -97,14 +97,14 @@ std::optional<fit::PhaseClock> clock_of(const RunMeasurement& m, const GivenCond
 void note_against_command(const std::string& name, const fit::GateTiming& gate, const GivenConditions& given,
                           std::vector<std::string>& warnings) {
   constexpr double kSet = kPi / 180;  ///< rad: as well as angles are set
-  const auto compare = [&](const char* what, const fit::Estimate& seen, const std::optional<double>& commanded,
-                           const char* look) {
+  const auto compare = [&](const char* what, const fit::Estimate& seen,
+                           const std::optional<double>& commanded, const char* look) {
     if (!commanded) return;
     const double off = std::remainder(seen.value - *commanded, 2 * kPi);
     if (std::abs(off) > std::max(kContradicts * std::hypot(seen.sd, kSet), 0.05))
-      warnings.push_back(
-          fmt::format("{}: the {} shows {} = {} rad, commanded was {:.4f}: that which is known better is used{}",
-                      name, gate.source, what, quoted(seen.value, seen.sd), *commanded, look));
+      warnings.push_back(fmt::format(
+          "{}: the {} shows {} = {} rad, commanded was {:.4f}: that which is known better is used{}", name,
+          gate.source, what, quoted(seen.value, seen.sd), *commanded, look));
   };
   compare("phi", gate.phi, given.phi,
           "; where all runs differ alike look at the camera's direction (xi_axis_rad), the trigger's time or "

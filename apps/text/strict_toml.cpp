@@ -417,8 +417,9 @@ std::optional<double> read_sd(StrictTable& table, const std::string& quantity) {
     table.fail(key,
                fmt::format("is the sd of `{}`, which is not given here: give both, or neither", quantity));
   if (!(*sd > 0))
-    table.fail(
-        key, fmt::format("must be greater than 0, not {}: for one that is exact name `{}` in [fit] exact", *sd, quantity));
+    table.fail(key,
+               fmt::format("must be greater than 0, not {}: for one that is exact name `{}` in [fit] exact",
+                           *sd, quantity));
   return sd;
 }
 
