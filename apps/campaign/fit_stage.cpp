@@ -220,6 +220,14 @@ void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& c
   std::vector<std::string> suspects = suspicious_runs(problem, fitted.result);
   std::vector<std::string> slips =
       likely_slips(campaign, fitted.runs, fitted.conditions, *found, fitted.result);
+  const auto commanded = std::ranges::count_if(fitted.runs, [](const Run& run) {
+    return run.takes_part() && run.measurement && run.measurement->phi_contradicts &&
+           (!run.gate || run.gate_reference == "command");
+  });
+  if (commanded > 0)
+    slips.push_back(fmt::format(
+        "in {} of {} runs the gate's phi as it is seen contradicts the commanded one, which is used",
+        commanded, fitted.runs.size()));
   const bool usable = fitted.result.verdict == fit::Use::use;
   if (!slips.empty() && usable) fitted.result.verdict = fit::Use::care;
   if (!slips.empty() && (usable || fitted.result.mistyped))

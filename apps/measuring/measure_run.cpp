@@ -94,21 +94,23 @@ std::optional<fit::PhaseClock> clock_of(const RunMeasurement& m, const GivenCond
   return std::nullopt;
 }
 
-void note_against_command(const std::string& name, const fit::GateTiming& gate, const GivenConditions& given,
-                          std::vector<std::string>& warnings) {
+void note_against_command(const std::string& name, const GivenConditions& given, RunMeasurement& m) {
+  const fit::GateTiming& gate = *m.gate;
   constexpr double kSet = kPi / 180;  ///< rad: as well as angles are set
   const auto compare = [&](const char* what, const fit::Estimate& seen,
                            const std::optional<double>& commanded, const char* look) {
-    if (!commanded) return;
+    if (!commanded) return false;
     const double off = std::remainder(seen.value - *commanded, 2 * kPi);
-    if (std::abs(off) > std::max(kContradicts * std::hypot(seen.sd, kSet), 0.05))
-      warnings.push_back(fmt::format(
-          "{}: the {} shows {} = {} rad, commanded was {:.4f}: that which is known better is used{}", name,
-          gate.source, what, quoted(seen.value, seen.sd), *commanded, look));
+    if (std::abs(off) <= std::max(kContradicts * std::hypot(seen.sd, kSet), 0.05)) return false;
+    m.warnings.push_back(fmt::format(
+        "{}: the {} shows {} = {} rad, commanded was {:.4f}: that which is known better is used{}", name,
+        gate.source, what, quoted(seen.value, seen.sd), *commanded, look));
+    return true;
   };
-  compare("phi", gate.phi, given.phi,
-          "; where all runs differ alike look at the camera's direction (xi_axis_rad), the trigger's time or "
-          "the sensor's edge");
+  m.phi_contradicts = compare(
+      "phi", gate.phi, given.phi,
+      "; where all runs differ alike look at the camera's direction (xi_axis_rad), the trigger's time or "
+      "the sensor's edge");
   compare("dtau", gate.dtau, given.dtau, "");
 }
 
@@ -163,7 +165,7 @@ void measure_gate(const std::string& name, const Track& track, const GivenCondit
         "the gate LED (gate_px) was not read, since the part passes over it: phi and dtau are taken as "
         "commanded; correct gate_px");
   if (!given.scope) {
-    if (m.gate) note_against_command(name, *m.gate, given, m.warnings);
+    if (m.gate) note_against_command(name, given, m);
     return;
   }
   const ScopeEvidence& scope = *given.scope;
@@ -192,7 +194,7 @@ void measure_gate(const std::string& name, const Track& track, const GivenCondit
         "the oscilloscope trace holds no reference pulses and is not tied to the camera: phi and dtau are "
         "taken as commanded; name [scope] sensor_channel, or tie = \"trigger\"");
   }
-  if (m.gate) note_against_command(name, *m.gate, given, m.warnings);
+  if (m.gate) note_against_command(name, given, m);
 }
 
 bool is_slip(double given, double measured) {

@@ -94,6 +94,7 @@ TEST(LampOrCommand, WhereTheyContradictItIsSaid) {
     measure_again(campaign(), run);
     EXPECT_EQ(Matches(Contains(HasSubstr("shows phi =")))(run.measurement->warnings), said)
         << frames << " " << commanded;
+    EXPECT_EQ(run.measurement->phi_contradicts, said);
   }
 }
 
