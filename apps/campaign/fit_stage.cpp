@@ -225,9 +225,9 @@ void fit_runs(const Campaign& campaign, FittedCampaign& fitted, const Context& c
            (!run.gate || run.gate_reference == "command");
   });
   if (commanded > 0)
-    slips.push_back(fmt::format(
-        "in {} of {} runs the gate's phi as it is seen contradicts the commanded one, which is used",
-        commanded, fitted.runs.size()));
+    slips.push_back(
+        fmt::format("in {} of {} runs the LED or the trace contradicts the commanded phi that is used",
+                    commanded, fitted.runs.size()));
   const bool usable = fitted.result.verdict == fit::Use::use;
   if (!slips.empty() && usable) fitted.result.verdict = fit::Use::care;
   if (!slips.empty() && (usable || fitted.result.mistyped))

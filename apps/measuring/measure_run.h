@@ -56,7 +56,7 @@ struct RunMeasurement {
   /// What phi counts from: "camera" (the platform's phase in the picture: a turned camera cancels) or
   /// "sensor" (the reference sensor, like a commanded phi).
   std::string gate_reference;
-  bool phi_contradicts = false;                ///< the commanded one, which is then said
+  bool phi_contradicts = false;                ///< what is seen of phi excludes the commanded one
   std::optional<CodedMotion> coded;            ///< where the platform's motion was seen in a lossy recording
   std::optional<fit::PhaseClock> phase_clock;  ///< wt in the camera's time, where it is known
   std::vector<std::string> warnings;

@@ -131,9 +131,8 @@ std::string TrackMotion::remedy() const {
   switch (shown.kind) {
     case Kind::driven:
       if (platform_seen) return "leave out --free-slide for alpha and v";
-      return "for alpha and v give the frequency of the drive as it is set (--omega-rad-s), which is taken "
-             "as "
-             "exact, or track with --marker";
+      return "for alpha and v give the drive's frequency as it is set (--omega-rad-s), or track with "
+             "--marker";
     case Kind::swinging:
       return "no friction follows from it; where a platform drives it give --omega-rad-s";
     case Kind::incline:

@@ -249,20 +249,16 @@ CodedErrors means_of(CodedErrors sums, double frames) {
   return sums;
 }
 
-double mark_step(const std::vector<WatchedFrame>& frames) {
-  double sum = 0;
-  for (const WatchedFrame& f : frames) sum += f.mark.step / static_cast<double>(frames.size());
-  return sum;
-}
-
 /// What is seen of the ground through too coarse steps is the codec's.
-void leave_out_unseen_ground(double step, Track& track, TrackSummary& summary) {
+void leave_out_unseen_ground(const std::vector<WatchedFrame>& frames, Track& track, TrackSummary& summary) {
+  double step = 0;  // 0 where the codec does not tell
+  for (const WatchedFrame& f : frames) step += f.mark.step / static_cast<double>(frames.size());
   if (step < *summary.ground_steps) return;
   const std::string hidden = fmt::format(
       "the codec's steps of {:.2g} grey levels hide the platform's texture, which needs steps "
       "below {:.2g}: positions are in the camera's frame",
       step, *summary.ground_steps);
-  std::ranges::find(summary.plan, "marker", &PlanStage::name)[0] = {.name = "marker", .reason = hidden};
+  *std::ranges::find(summary.plan, "marker", &PlanStage::name) = {.name = "marker", .reason = hidden};
   summary.warnings.push_back(hidden + "; give a marker (--marker), or film uncompressed");
   summary.ground_steps.reset();
   track.has_marker = false;
@@ -272,21 +268,20 @@ void leave_out_unseen_ground(double step, Track& track, TrackSummary& summary) {
 /// One sentence for a person.
 std::string coding_warning(const CodedErrors& errors) {
   if (!(errors.added_sd > 0)) return {};
-  if (!(errors.step > 0))
-    return fmt::format(
-        "coded as {}, which does not tell how: {:.4f} px that change over {:.2g} s are added to the standard "
-        "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
-        errors.coder, errors.added_sd, errors.slow_time);
-  if (!(errors.still + errors.moving > 0))
-    return fmt::format(
-        "coded by {}, every frame by itself: {:.4f} px that change over {:.2g} s are added to the standard "
-        "deviations. Film uncompressed, as FFV1, or with less compression",
-        errors.coder, errors.added_sd, errors.slow_time);
+  const bool predicted = errors.still + errors.moving > 0;
+  const std::string how =
+      !(errors.step > 0) ? fmt::format("coded as {}, which does not tell how", errors.coder)
+      : !predicted       ? fmt::format("coded by {}, every frame by itself", errors.coder)
+                         : fmt::format(
+                               "coded by {}: {:.0f} % of the edge is predicted from the same place of "
+                                     "another frame, where the part can move by {:.3f} px unnoticed",
+                               errors.coder, 100 * errors.still, errors.unnoticed);
   return fmt::format(
-      "coded by {}: {:.0f} % of the edge is predicted from the same place of another frame, where the part "
-      "can move by {:.3f} px unnoticed; {:.4f} px that change over {:.2g} s are added to the standard "
-      "deviations. Film uncompressed, as FFV1, or code every frame by itself (MJPEG, all-intra)",
-      errors.coder, 100 * errors.still, errors.unnoticed, errors.added_sd, errors.slow_time);
+      "{}; {:.4f} px that change over {:.2g} s are added to the standard deviations. Film uncompressed, as "
+      "FFV1, {}",
+      how, errors.added_sd, errors.slow_time,
+      errors.step > 0 && !predicted ? "or with less compression"
+                                    : "or code every frame by itself (MJPEG, all-intra)");
 }
 
 }  // namespace
@@ -339,7 +334,7 @@ void widen_for_coding(const CodedTrack& coded, Track& track, TrackSummary& summa
   // Of a coder that tells nothing all errors may be its play, also those that the audit has counted.
   if (!(found.step > 0) && !coded.coder.all_intra)
     found.part_play = found.mark_play = std::numbers::sqrt2 * sd_of(track);
-  if (summary.ground_steps) leave_out_unseen_ground(mark_step(coded.frames), track, summary);
+  if (summary.ground_steps) leave_out_unseen_ground(coded.frames, track, summary);
   found.slow_time = found.added_sd > 0 ? direction_time(track, found.unnoticed) : 0;
   if (found.added_sd > 0 && found.slow_time > 0)
     summary.slow.push_back({"coder", found.added_sd, found.slow_time});

@@ -171,7 +171,7 @@ TEST_F(MeasureMotion, ASlideWhoseDecelerationIsNotConstantHasNoMu1) {
 
 TEST_F(MeasureMotion, ADrivenPartIsNoSlideAndTellsItsFrequency) {
   put_track(circle);
-  expect_no_slide("driven", "the drive as it is set (--omega-rad-s)");
+  expect_no_slide("driven", "frequency as it is set (--omega-rad-s)");
   const Json m = Json::parse(run("measure t.csv --json").out);
   EXPECT_NEAR(m["angular_frequency_rad_s"], 62.8, 4 * m["angular_frequency_rad_s_sd"].get<double>());
   const Outcome known = run("measure t.csv --omega-rad-s 62.8 --json");
